@@ -1,6 +1,12 @@
 //! wavetrace: a wavefront CPU path tracer for triangle scenes.
 pub mod camera;
+pub mod columns;
 pub mod error;
+pub mod ids;
+pub mod lanes;
+pub mod material;
 pub mod output;
+pub mod probe;
+pub mod sampling;
 pub mod scene;
 pub mod world;

@@ -1,0 +1,25 @@
+//! Random numbers: where they come from, what each is for, and how they become directions and points.
+
+mod dims;
+mod mis;
+mod sobol;
+pub mod warp;
+mod xoshiro;
+
+pub use dims::Decision;
+pub use mis::power_heuristic;
+pub use sobol::Sobol;
+pub use xoshiro::Xoshiro;
+
+use crate::lanes::Lanes;
+
+/// State of a path's random numbers: four integers per lane, whose meaning belongs to the sampler.
+pub type State<L> = [<L as Lanes>::Uint; 4];
+
+/// Source of the random numbers of a path, keyed by (seed, pixel, sample).
+pub trait Sampler: Copy + Default + Send + Sync + 'static {
+    /// State of the first number of sample `sample` of pixel `pixel`.
+    fn start<L: Lanes>(seed: u64, pixel: L::Uint, sample: L::Uint) -> State<L>;
+    /// N numbers in [0, 1), multiples of 2^-24, for a decision at the path's vertex number `depth`.
+    fn draw<L: Lanes, const N: usize>(state: &mut State<L>, decision: Decision, depth: L::Uint) -> [L; N];
+}
