@@ -4,6 +4,7 @@ pub mod columns;
 pub mod error;
 pub mod ids;
 pub mod lanes;
+pub mod light;
 pub mod material;
 pub mod output;
 pub mod probe;

@@ -9,11 +9,11 @@ mod matt;
 mod specular;
 mod transparent;
 
-pub use diffuse::Diffuse;
+pub use diffuse::{Diffuse, DiffuseRow};
 pub use luminous::Luminous;
-pub use matt::Matt;
-pub use specular::Specular;
-pub use transparent::{Transparent, fresnel_dielectric};
+pub use matt::{Matt, MattRow};
+pub use specular::{Specular, SpecularRow};
+pub use transparent::{Transparent, TransparentRow, fresnel_dielectric};
 
 use crate::ids::LobeId;
 use crate::lanes::{Lanes, Vec3};

@@ -10,7 +10,7 @@ pub enum Decision {
     Scatter,
     /// Whether the path goes on: 1 number.
     Roulette,
-    /// Which light and where on it: 3 numbers.
+    /// Which light (2 numbers) and where on it (2 numbers).
     Light,
 }
 

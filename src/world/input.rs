@@ -48,6 +48,8 @@ pub struct Mesh {
 impl Mesh {
     /// Stands in `triangle_normals` for a triangle that is flat.
     pub const NO_NORMAL: u32 = u32::MAX;
+    /// Extent along z below this share of the largest extent is flat: no height can be given to it.
+    pub const FLAT: f64 = 1e-9;
 
     /// Smallest box that holds all positions, as (min, max); (0, 0) of an empty mesh.
     pub fn bounds(&self) -> (DVec3, DVec3) {

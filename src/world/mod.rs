@@ -1,10 +1,17 @@
-//! The world: what a scene holds, frozen into columns.
+//! The world: what a scene holds, frozen into columns. An entity is an id, a component a column.
 
+mod check;
+mod freeze;
 mod input;
+
 pub use input::{MaterialInput, Mesh, Object, Size};
 
-use crate::camera::Camera;
-use crate::error::{Error, Result};
+use crate::camera::{Camera, View};
+use crate::error::Result;
+use crate::ids::LobeId;
+use crate::light::Lights;
+use crate::material::Materials;
+use glam::DVec3;
 
 /// Collects the parts of a scene; [`WorldBuilder::build`] checks them and freezes them into a [`World`].
 #[derive(Clone, Debug)]
@@ -43,13 +50,68 @@ impl WorldBuilder {
     pub fn camera_mut(&mut self) -> &mut Camera {
         &mut self.camera
     }
-    /// Checks everything and freezes it.
+    /// Checks everything and freezes it: places the objects in f64, moves the centre of the world to the origin, scales
+    /// it by a power of two to about size 1, and only then rounds to f32. Degenerate triangles are dropped and counted.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::World`] names the first part that breaks a rule of the format.
     pub fn build(self) -> Result<World> {
-        let _ = Error::Scene(Vec::new());
-        todo!()
+        check::check(&self)?;
+        freeze::freeze(self)
     }
 }
 
-/// The frozen scene.
-#[derive(Debug)]
-pub struct World {}
+/// The frozen scene. Columns of triangles are indexed by [`crate::ids::TriangleId`], in the order of objects and faces.
+#[derive(Clone, Debug)]
+pub struct World {
+    pub(crate) view: View,
+    /// Component of every triangle: its corners.
+    pub(crate) corners: Vec<[[f32; 3]; 3]>,
+    /// Component of every triangle: what its surface does.
+    pub(crate) lobes: Vec<LobeId>,
+    /// Unit normals at the corners; absent unless some mesh has vertex normals.
+    pub(crate) normals: Option<Vec<[[f32; 3]; 3]>>,
+    pub(crate) materials: Materials,
+    pub(crate) lights: Lights,
+    /// Radiance from outside everything; absent where it is black.
+    pub(crate) background: Option<[f32; 3]>,
+    pub(crate) dropped: usize,
+    pub(crate) centre: DVec3,
+    pub(crate) scale: f64,
+}
+
+impl World {
+    /// Number of triangles.
+    pub fn triangles(&self) -> usize {
+        self.corners.len()
+    }
+    /// Number of luminous triangles.
+    pub fn lights(&self) -> usize {
+        self.lights.len()
+    }
+    /// Number of degenerate triangles that were dropped.
+    pub fn dropped(&self) -> usize {
+        self.dropped
+    }
+    /// Pixels across.
+    pub fn width(&self) -> u32 {
+        self.view.width()
+    }
+    /// Pixels down.
+    pub fn height(&self) -> u32 {
+        self.view.height()
+    }
+    /// Whether nothing in the scene gives light, so that every image of it is black.
+    pub fn is_dark(&self) -> bool {
+        self.lights.is_empty() && self.background.is_none()
+    }
+    /// World coordinates are (scene point - centre) * scale; the scale is a power of two.
+    pub fn placement(&self) -> (DVec3, f64) {
+        (self.centre, self.scale)
+    }
+    /// Bytes held by the columns.
+    pub fn bytes(&self) -> usize {
+        let normals = self.normals.as_ref().map_or(0, |n| n.len() * 36);
+        self.corners.len() * (36 + 4) + normals + self.lights.bytes()
+    }
+}
