@@ -1,4 +1,5 @@
 //! wavetrace: a wavefront CPU path tracer for triangle scenes.
+pub mod accel;
 pub mod camera;
 pub mod columns;
 pub mod error;
