@@ -181,7 +181,8 @@ fn hdr_is_within_half_a_step_of_the_shared_exponent() {
     // Rounding, not cutting off: the errors are centred.
     let relative = |(found, expected): (&[f32; 3], &[f32; 3])| f64::from(found[0] / expected[0]) - 1.0;
     let mean = pixels.iter().zip(&range.pixels).map(relative).sum::<f64>() / pixels.len() as f64;
-    // One error is uniform on a step of at most 1/128: standard deviation of the mean at most 8.5e-5; truncation: -2.7e-3.
+    // Each error is uniform on a step of at most 1/128, so that the mean's standard deviation is at most 8.5e-5.
+    // Cutting off would give -2.7e-3.
     assert!(mean.abs() < 4.0 * 8.5e-5, "mean relative error {mean:e}");
 }
 
@@ -463,7 +464,7 @@ mod unix {
     #[cfg(target_os = "linux")]
     #[test]
     fn devices_are_written_to_and_stay_devices() {
-        use std::os::unix::fs::FileTypeExt;
+        use std::os::{fd::AsRawFd, unix::fs::FileTypeExt};
         let folder = folder();
         let device = |path: &str| fs::metadata(path).unwrap().file_type().is_char_device();
         output::check_writable(Path::new("/dev/null")).unwrap();
@@ -478,6 +479,12 @@ mod unix {
             assert!(matches!(&error, Error::Io { file, source, .. } if *file == link && full(source)), "{error}");
         }
         assert!(device("/dev/null") && device("/dev/full"));
+        // As /dev/stdout with standard output sent to a file.
+        let redirected = File::create(folder.path().join("redirected")).unwrap();
+        write(Path::new(&format!("/dev/fd/{}", redirected.as_raw_fd())), &grey(2, 3)).unwrap();
+        let info = read_png(&folder.path().join("redirected")).0;
+        assert_eq!((info.width, info.height), (2, 3));
+        assert_eq!(redirected.metadata().unwrap().len(), fs::metadata(folder.path().join("redirected")).unwrap().len());
     }
 
     /// Set for the child process of [`a_full_disk_leaves_nothing_behind`]: the folder to write to.

@@ -95,7 +95,6 @@ mod tests {
 
     #[test]
     fn exposure_is_in_stops() {
-        // 0.2140 is mid grey: sRGB 127.5 is at 0.214041.
         assert_eq!(bytes(&[0.5, 1.0, 2.0, 4.0], tone(-2.0, ToneMap::Clamp)), [99, 137, 188, 255]);
         assert_eq!(bytes(&[0.125, 0.25], tone(2.0, ToneMap::Clamp)), [188, 255]);
     }
