@@ -46,7 +46,7 @@ pub fn write(path: &Path, image: &Image, metadata: &Metadata, tone: &Tone) -> Re
     }
 }
 
-/// Writes an image to each path in turn with [`write`]; one failure does not keep the others from being written.
+/// Writes an image to each path in turn with [`write()`]; one failure does not keep the others from being written.
 /// The results are in the order of `paths`.
 pub fn write_all<P: AsRef<Path>>(paths: &[P], image: &Image, metadata: &Metadata, tone: &Tone) -> Vec<Result<()>> {
     paths.iter().map(|path| write(path.as_ref(), image, metadata, tone)).collect()
@@ -56,7 +56,7 @@ pub fn write_all<P: AsRef<Path>>(paths: &[P], image: &Image, metadata: &Metadata
 /// `-3`, ... is put before the ending. Two programs at once get two files. Returns the path written.
 ///
 /// # Errors
-/// As [`write`]; also [`Error::Output`] where all names up to `-99999` are taken.
+/// As [`write()`]; also [`Error::Output`] where all names up to `-99999` are taken.
 pub fn write_new(dir: &Path, name: &str, image: &Image, metadata: &Metadata, tone: &Tone) -> Result<PathBuf> {
     let first = dir.join(name);
     let format = Format::from_path(&first)?;
@@ -75,11 +75,11 @@ pub fn write_new(dir: &Path, name: &str, image: &Image, metadata: &Metadata, ton
     Err(Error::Output { file: first, reason: format!("this name and all up to -{MAX_NUMBER} are taken") })
 }
 
-/// Finds out whether [`write`] would be able to write to `path`, before hours are spent on an image. Leaves everything
+/// Finds out whether [`write()`] would be able to write to `path`, before hours are spent on an image. Leaves everything
 /// as it is.
 ///
 /// # Errors
-/// [`Error::Output`] or [`Error::Io`], as [`write`].
+/// [`Error::Output`] or [`Error::Io`], as [`write()`].
 pub fn check_writable(path: &Path) -> Result<()> {
     match Target::with_format(path)?.0 {
         Target::Stream => Ok(()),

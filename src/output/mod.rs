@@ -1,6 +1,6 @@
 //! Image files: PNG and PPM (8 bit, sRGB), OpenEXR and Radiance HDR (linear).
 //!
-//! One file per format, each the only one that names its crate. [`write`] never leaves half a file behind:
+//! One file per format, each the only one that names its crate. [`write()`] never leaves half a file behind:
 //! it encodes beside the target and then renames.
 
 mod exr;
