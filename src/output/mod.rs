@@ -1,1 +1,23 @@
-//! Image files.
+//! Image files: PNG and PPM (8 bit, sRGB), OpenEXR and Radiance HDR (linear).
+//!
+//! One file per format, each the only one that names its crate. [`write()`] never leaves half a file behind:
+//! it encodes beside the target and then renames.
+
+mod exr;
+mod file;
+mod format;
+mod hdr;
+mod image;
+mod metadata;
+mod name;
+mod png;
+mod ppm;
+mod target;
+mod tone;
+
+pub use file::{check_writable, write, write_all, write_new};
+pub use format::Format;
+pub use image::Image;
+pub use metadata::{Metadata, PARTIAL};
+pub use name::{LocalTime, default_name, local_now};
+pub use tone::{Tone, ToneMap};
