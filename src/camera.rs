@@ -86,8 +86,14 @@ mod tests {
     use super::*;
 
     fn view(direction: DVec3) -> View {
-        let camera =
-            Camera { focal_point: DVec3::new(1.0, 2.0, 3.0), direction, width: 200, height: 100, x_angle: 90.0, y_angle: 60.0 };
+        let camera = Camera {
+            focal_point: DVec3::new(1.0, 2.0, 3.0),
+            direction,
+            width: 200,
+            height: 100,
+            x_angle: 90.0,
+            y_angle: 60.0,
+        };
         View::new(&camera, DVec3::new(1.0, 0.0, 0.0), 2.0)
     }
 

@@ -224,6 +224,7 @@ macro_rules! columns {
             $($field: <$crate::columns::$kind as $crate::columns::Field>::Store,)*
         }
 
+        #[allow(dead_code, reason = "a queue has all of its methods, whether or not a stage uses them")]
         impl $queue {
             /// Bytes that one row takes over all columns.
             pub const ROW_BYTES: usize = 0 $(+ <$crate::columns::$kind as $crate::columns::Field>::BYTES)*;

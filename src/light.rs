@@ -145,7 +145,9 @@ mod tests {
     /// Counts of choices against power, by chi-squared with 4 degrees of freedom: 18.47 is p = 10^-3.
     #[test]
     fn lights_are_chosen_by_power_and_the_density_says_so() {
-        let lights = Lights::new([(1.0, 1.0), (0.1, 1.0), (3.0, 2.0), (0.5, 10.0), (2.0, 0.05)].map(|(a, r)| emitter(a, r)).to_vec());
+        let lights = Lights::new(
+            [(1.0, 1.0), (0.1, 1.0), (3.0, 2.0), (0.5, 10.0), (2.0, 0.05)].map(|(a, r)| emitter(a, r)).to_vec(),
+        );
         let n = 100_000u32;
         let mut counts = [0u32; 5];
         for i in 0..n {

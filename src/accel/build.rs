@@ -30,11 +30,8 @@ pub(super) fn binary_tree(corners: &[[[f32; 3]; 3]]) -> Vec<BinaryNode> {
     } else {
         BvhBuildParams { ploc_search_distance: PlocSearchDistance::Low, ..BvhBuildParams::fast_build() }
     };
-    let params = BvhBuildParams {
-        max_prims_per_leaf: 1,
-        post_collapse_reinsertion_batch_ratio_multiplier: 0.0,
-        ..preset
-    };
+    let params =
+        BvhBuildParams { max_prims_per_leaf: 1, post_collapse_reinsertion_batch_ratio_multiplier: 0.0, ..preset };
     let bvh = build_bvh2_from_tris(&triangles, params, &mut Duration::default());
     bvh.nodes
         .iter()

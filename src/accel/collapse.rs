@@ -34,7 +34,8 @@ impl<'a> Plan<'a> {
             }
             let (l, r) = (node.first as usize, node.first as usize + 1);
             plan.triangles[n] = plan.triangles[l].saturating_add(plan.triangles[r]);
-            let shared: [f32; WIDTH] = std::array::from_fn(|k| if k == 0 { f32::INFINITY } else { plan.split(n, k + 1).0 });
+            let shared: [f32; WIDTH] =
+                std::array::from_fn(|k| if k == 0 { f32::INFINITY } else { plan.split(n, k + 1).0 });
             let mut best = plan.leaf_cost(n).min(area * NODE_COST + shared[WIDTH - 1]);
             for k in 0..WIDTH {
                 best = best.min(shared[k]);

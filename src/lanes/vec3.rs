@@ -151,19 +151,25 @@ impl<L: Lanes> Frame<L> {
     }
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn frame_is_orthonormal_at_the_poles_too() {
-        for n in [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.6, 0.0, -0.8], [1e-4, 1e-4, -1.0], [0.267_261, 0.534_522, 0.801_784]] {
+        for n in
+            [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.6, 0.0, -0.8], [1e-4, 1e-4, -1.0], [0.267_261, 0.534_522, 0.801_784]]
+        {
             let n = Vec3::<f32>::splat(n).normalize();
             let f = Frame::about(n);
-            for (a, b, expected) in
-                [(f.s, f.s, 1.0), (f.t, f.t, 1.0), (f.s, f.t, 0.0), (f.s, f.n, 0.0), (f.t, f.n, 0.0), (f.s.cross(f.t), f.n, 1.0)]
-            {
+            for (a, b, expected) in [
+                (f.s, f.s, 1.0),
+                (f.t, f.t, 1.0),
+                (f.s, f.t, 0.0),
+                (f.s, f.n, 0.0),
+                (f.t, f.n, 0.0),
+                (f.s.cross(f.t), f.n, 1.0),
+            ] {
                 assert!((a.dot(b) - expected).abs() < 1e-6, "{n:?}: {a:?} . {b:?}");
             }
         }

@@ -3,10 +3,11 @@
 use crate::lanes::Lanes;
 
 /// Weight of a sample from a technique of density `pdf` when another technique has density `other` there: the power
-/// heuristic with exponent 2 (Veach 1997, equation 9.13). `pdf` is positive or infinite (a delta lobe: weight 1).
+/// heuristic with exponent 2 (Veach 1997, equation 9.13). An infinite `pdf` (a delta lobe) has weight 1, a `pdf` of 0
+/// (a technique not in use) weight 0 wherever the other one reaches.
 #[inline(always)]
 pub fn power_heuristic<L: Lanes>(pdf: L, other: L) -> L {
-    let ratio = other / pdf;
+    let ratio = other / pdf.max(L::splat(f32::MIN_POSITIVE));
     L::splat(1.0) / ratio.mul_add(ratio, L::splat(1.0))
 }
 
@@ -21,5 +22,6 @@ mod tests {
         }
         assert_eq!(power_heuristic(f32::INFINITY, 3.0), 1.0);
         assert_eq!(power_heuristic(2.0, 0.0), 1.0);
+        assert_eq!(power_heuristic(0.0, 1e-3), 0.0);
     }
 }

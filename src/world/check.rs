@@ -36,7 +36,11 @@ fn camera(c: &Camera) -> Result<()> {
         }
     }
     if u64::from(c.width) * u64::from(c.height) > Camera::MAX_PIXELS {
-        return wrong("camera", format!("{} x {} pixels", c.width, c.height), format!("at most {} in all", Camera::MAX_PIXELS));
+        return wrong(
+            "camera",
+            format!("{} x {} pixels", c.width, c.height),
+            format!("at most {} in all", Camera::MAX_PIXELS),
+        );
     }
     for (name, angle) in [("camera.x_angle", c.x_angle), ("camera.y_angle", c.y_angle)] {
         if !(angle > 0.0 && angle < 180.0) {

@@ -119,8 +119,7 @@ pub(super) fn freeze(b: WorldBuilder) -> Result<World> {
     let (mut emitters, mut dropped) = (Vec::new(), 0);
     for (o, place) in b.objects.iter().zip(&places) {
         let (mesh, lobe) = (&b.meshes[o.mesh], lobes_of[o.material]);
-        let points: Vec<Vec3> =
-            mesh.positions.iter().map(|&p| ((place.point(p) - centre) * scale).as_vec3()).collect();
+        let points: Vec<Vec3> = mesh.positions.iter().map(|&p| ((place.point(p) - centre) * scale).as_vec3()).collect();
         for (k, face) in mesh.triangles.iter().enumerate() {
             let p = face.map(|v| points[v as usize]);
             let cross = (p[1] - p[0]).cross(p[2] - p[0]);
@@ -137,7 +136,12 @@ pub(super) fn freeze(b: WorldBuilder) -> Result<World> {
                 let radiance = materials.luminous()[lobe.row()].radiance;
                 if radiance.iter().any(|&r| r > 0.0) {
                     let area = 0.5 * length2.sqrt();
-                    emitters.push(Emitter { corners: p.map(|p| p.to_array()), normal: flat.to_array(), area, radiance });
+                    emitters.push(Emitter {
+                        corners: p.map(|p| p.to_array()),
+                        normal: flat.to_array(),
+                        area,
+                        radiance,
+                    });
                 }
             }
             corners.push(p.map(|p| p.to_array()));
@@ -225,7 +229,13 @@ mod tests {
         let error = place(Size::Scale(-1.0), DVec3::ZERO, DVec3::ZERO).unwrap_err().to_string();
         assert_eq!(error, "objects[0].size: found -1, expected a finite number > 0");
         let mut b = WorldBuilder::new(camera());
-        b.object(Object { mesh: 2, material: 0, rotation: DVec3::ZERO, size: Size::Scale(1.0), mid_point: DVec3::ZERO });
+        b.object(Object {
+            mesh: 2,
+            material: 0,
+            rotation: DVec3::ZERO,
+            size: Size::Scale(1.0),
+            mid_point: DVec3::ZERO,
+        });
         assert!(b.build().unwrap_err().to_string().contains("objects[0].mesh: found 2, expected an index below 0"));
     }
 }

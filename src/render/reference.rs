@@ -1,0 +1,80 @@
+//! The reference: one path after the other, depth first, one lane. It makes the same decisions from the same random
+//! numbers as the waves, and so gives the same image; it is their oracle and the baseline that they have to beat.
+
+use crate::accel::{Hit, Ray, Single};
+use crate::lanes::Vec3;
+use crate::material::{Kind, for_kind};
+use crate::sampling::Sampler;
+use crate::wave::{
+    Context, Counts, HitRow, Job, Path, Samples, Shaded, background_radiance, camera_paths, emitted_radiance,
+    shade_rows, shadow_ray,
+};
+
+/// The reference integrator of one worker.
+#[derive(Clone, Debug)]
+pub(super) struct Reference {
+    tracer: Single,
+    samples: Samples,
+}
+
+impl Reference {
+    pub fn new(cx: &Context<'_>) -> Self {
+        Self { tracer: Single::new(cx.bvh), samples: Samples::default() }
+    }
+
+    /// Traces all samples of a job, and returns their radiance by slot.
+    pub fn run<S: Sampler>(&mut self, cx: &Context<'_>, job: &Job, counts: &mut Counts) -> &[[f32; 3]] {
+        self.samples.reset(job.paths());
+        for slot in 0..job.paths() {
+            let path = camera_paths::<S, f32>(&cx.world.view, cx.seed, job, slot, slot);
+            counts.camera += 1;
+            self.trace::<S>(cx, path, counts);
+        }
+        self.samples.all()
+    }
+
+    fn trace<S: Sampler>(&mut self, cx: &Context<'_>, mut path: Path<f32>, counts: &mut Counts) {
+        let Context { world, bvh, plan, .. } = *cx;
+        let mut scale = 1.0;
+        loop {
+            let ray = Ray { origin: path.origin.lane(0), direction: path.direction.lane(0), t_max: f32::INFINITY };
+            let hit = self.tracer.closest(bvh, &ray);
+            if hit.triangle == Hit::NONE {
+                if let Some(background) = world.background {
+                    self.add(path.slot, background_radiance(background, &path));
+                }
+                return;
+            }
+            let row = HitRow::<f32> { u: hit.u, v: hit.v, triangle: hit.triangle };
+            let number = world.lobes[hit.triangle as usize].kind();
+            let Some(&kind) = Kind::SCATTERING.get(number) else {
+                if plan.emit {
+                    self.add(path.slot, emitted_radiance(world, &path, &row));
+                }
+                return;
+            };
+            if path.depth >= plan.max_depth {
+                counts.cut(path.throughput);
+                return;
+            }
+            let mut out: Option<Shaded<f32>> = None;
+            for_kind!(kind, M => out = Some(shade_rows::<M, S, f32>(world, plan, path, scale, &row)));
+            let Some(out) = out else { return };
+            if out.connected {
+                counts.shadow += 1;
+                if !self.tracer.any(bvh, &shadow_ray(&out.shadow, 0)) {
+                    self.add(path.slot, out.shadow.radiance);
+                }
+            }
+            if !out.alive {
+                return;
+            }
+            (path, scale) = (out.path, out.scale);
+            counts.bounce += 1;
+        }
+    }
+
+    fn add(&mut self, slot: u32, radiance: Vec3<f32>) {
+        self.samples.add::<f32>(1, slot, radiance);
+    }
+}

@@ -1,0 +1,136 @@
+//! Jobs onto threads; the only file that names rayon.
+//!
+//! Jobs are taken off one counter. Their sums reach each pixel in the order of the samples, whichever thread is first:
+//! what arrives early waits.
+
+use super::{Control, Integrator, Rendered, Settings, reference};
+use crate::error::{Error, Result};
+use crate::film::{BadSample, Film, Pixel};
+use crate::probe::{Probe, Stage, StageRow};
+use crate::sampling::Sampler;
+use crate::wave::{Context, Counts, Job, TILE, Wave};
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+/// Samples per pixel of a job: enough that a wave is filled many times, few enough that its samples stay in cache.
+const SAMPLES_PER_JOB: u32 = 64;
+
+/// Sums of a job's pixels.
+struct JobSums {
+    pixels: Vec<Pixel>,
+    bad: Vec<BadSample>,
+}
+
+/// The film, and what has come out of order: by tile and pass.
+struct Merge {
+    film: Film,
+    bad: Vec<BadSample>,
+    next_pass: Vec<u32>,
+    early: BTreeMap<(usize, u32), (Job, JobSums)>,
+}
+
+impl Merge {
+    fn add(&mut self, job: Job, pass: u32, sums: JobSums) {
+        let tile = job.tile;
+        self.early.insert((tile, pass), (job, sums));
+        while let Some((job, sums)) = self.early.remove(&(tile, self.next_pass[tile])) {
+            for (&pixel, sum) in job.pixels.iter().zip(&sums.pixels) {
+                self.film.pixel_mut(pixel).merge(sum);
+            }
+            self.bad.extend(sums.bad);
+            self.next_pass[tile] += 1;
+        }
+    }
+}
+
+fn accumulate(job: &Job, samples: &[[f32; 3]]) -> JobSums {
+    let mut sums = JobSums { pixels: vec![Pixel::default(); job.pixels.len()], bad: Vec::new() };
+    for (slot, &sample) in samples.iter().enumerate() {
+        if !sums.pixels[slot % job.pixels.len()].add(sample) {
+            let (pixel, sample) = job.place(slot);
+            sums.bad.push(BadSample { pixel, sample });
+        }
+    }
+    sums
+}
+
+/// What a worker brings home.
+struct Work {
+    counts: Counts,
+    stages: Vec<StageRow>,
+    wave_bytes: usize,
+}
+
+/// Renders with sampler `S`, seen by probe `P`.
+pub(super) fn run<S: Sampler, P: Probe>(cx: &Context<'_>, settings: &Settings, control: &Control) -> Result<Rendered> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build().map_err(|e| Error::Setting {
+        setting: "--threads",
+        found: settings.threads.to_string(),
+        expected: format!("as many as the system can start ({e})"),
+    })?;
+    let size = [cx.world.width(), cx.world.height()];
+    let tiles = (size[0].div_ceil(TILE) * size[1].div_ceil(TILE)) as usize;
+    let passes = settings.spp.div_ceil(SAMPLES_PER_JOB);
+    let jobs = tiles * passes as usize;
+    let next = AtomicUsize::new(0);
+    let merge = Mutex::new(Merge {
+        film: Film::new(size[0], size[1]),
+        bad: Vec::new(),
+        next_pass: vec![0; tiles],
+        early: BTreeMap::new(),
+    });
+    let work = pool.broadcast(|_| {
+        let mut probe = P::default();
+        let mut counts = Counts::default();
+        let mut wave = (settings.integrator == Integrator::Wavefront).then(|| Wave::<S>::new(cx));
+        let mut reference = reference::Reference::new(cx);
+        while !control.is_stopped() {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            if number >= jobs {
+                break;
+            }
+            let (tile, pass) = (number % tiles, (number / tiles) as u32);
+            let first = pass * SAMPLES_PER_JOB;
+            let job = Job::new(tile, size, first, SAMPLES_PER_JOB.min(settings.spp - first));
+            let before = counts.rays();
+            let samples = match &mut wave {
+                Some(wave) => wave.run(cx, &job, &mut probe, &mut counts),
+                None => reference.run::<S>(cx, &job, &mut counts),
+            };
+            let sums = probe.stage(Stage::Accumulate, samples.len(), || accumulate(&job, samples));
+            control.advance(job.paths() as u64, counts.rays() - before);
+            merge.lock().unwrap_or_else(|e| e.into_inner()).add(job, pass, sums);
+        }
+        let wave_bytes = wave.as_ref().map_or(0, |w| w.bytes(cx.plan));
+        Work { counts, stages: probe.rows(), wave_bytes }
+    });
+    let Merge { film, mut bad, next_pass, .. } = merge.into_inner().unwrap_or_else(|e| e.into_inner());
+    bad.sort_unstable();
+    let partial = next_pass.iter().any(|&p| p < passes);
+    let mut rendered = Rendered {
+        film,
+        counts: Counts::default(),
+        bad,
+        time: Duration::ZERO,
+        threads: work.len(),
+        stages: Vec::new(),
+        wave_bytes: 0,
+        partial,
+    };
+    for w in work {
+        rendered.counts.add(&w.counts);
+        rendered.wave_bytes += w.wave_bytes;
+        if rendered.stages.is_empty() {
+            rendered.stages = w.stages;
+        } else {
+            for (sum, row) in rendered.stages.iter_mut().zip(w.stages) {
+                sum.calls += row.calls;
+                sum.items += row.items;
+                sum.time += row.time;
+            }
+        }
+    }
+    Ok(rendered)
+}

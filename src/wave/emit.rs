@@ -1,0 +1,37 @@
+//! Radiance of lights that were hit.
+
+use super::Samples;
+use super::queues::{HitRow, Path, Queues};
+use crate::columns::Rows;
+use crate::lanes::{F32x8, Lanes, LanesU32, MAX_LANES, Vec3};
+use crate::material::Kind;
+use crate::sampling::power_heuristic;
+use crate::world::World;
+
+/// What a path that hit a light adds to its sample: weighted against the density with which light sampling would have
+/// chosen the point, seen from the path's last vertex.
+#[inline(always)]
+pub fn emitted_radiance<L: Lanes>(world: &World, path: &Path<L>, hit: &HitRow<L>) -> Vec3<L> {
+    let ids = hit.triangle.array();
+    let id = |i: usize| ids.as_ref()[i] as usize;
+    let light = |i: usize| world.materials.luminous()[world.lobes[id(i)].row()];
+    let corner = |k: usize| Vec3::<L>::from_fn(|i| world.corners[id(i)][k]);
+    let (a, b, c) = (corner(0), corner(1), corner(2));
+    let (e1, e2) = (b - a, c - a);
+    let to_point = (a - path.origin) + e1 * hit.u + e2 * hit.v;
+    let cos = e1.cross(e2).normalize().dot(path.direction).abs();
+    // Per solid angle: area density times squared distance over cosine.
+    let light_pdf = L::from_fn(|i| light(i).pdf_area) * to_point.length2() / cos.max(L::splat(f32::MIN_POSITIVE));
+    let weight = power_heuristic(path.prev_pdf, light_pdf);
+    path.throughput.scale(Vec3::from_fn(|i| light(i).radiance)) * weight
+}
+
+/// Adds the emitted radiance to the samples of all paths that hit a light.
+pub fn emit(q: &Queues, world: &World, samples: &mut Samples) {
+    for chunk in q.by_kind[Kind::Luminous as usize].chunks(MAX_LANES) {
+        let rows = Rows::listed(chunk);
+        let path = q.paths.gather::<F32x8>(&rows);
+        let radiance = emitted_radiance(world, &path, &q.hits.gather(&rows));
+        samples.add(rows.count(), path.slot, radiance);
+    }
+}

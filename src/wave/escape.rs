@@ -1,0 +1,21 @@
+//! Radiance of the background, brought by rays that hit nothing.
+
+use super::Samples;
+use super::queues::{Path, Queues};
+use crate::columns::Rows;
+use crate::lanes::{F32x8, Lanes, MAX_LANES, Vec3};
+
+/// What a path that leaves the scene adds to its sample. Nothing else samples the background: its weight is 1.
+#[inline(always)]
+pub fn background_radiance<L: Lanes>(background: [f32; 3], path: &Path<L>) -> Vec3<L> {
+    path.throughput.scale(Vec3::splat(background))
+}
+
+/// Adds the background to the samples of all escaped paths.
+pub fn escape(q: &Queues, background: [f32; 3], samples: &mut Samples) {
+    for chunk in q.escaped.chunks(MAX_LANES) {
+        let rows = Rows::listed(chunk);
+        let path = q.paths.gather::<F32x8>(&rows);
+        samples.add(rows.count(), path.slot, background_radiance(background, &path));
+    }
+}

@@ -1,0 +1,136 @@
+//! What a scene needs: which stages run and which variant of each. Made once per render; what no entity of the scene has
+//! is neither allocated nor run.
+
+use crate::material::Kind;
+use crate::world::World;
+use std::fmt;
+
+/// How light is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// By scattering alone.
+    Path,
+    /// By connecting to lights alone; lobes that no light can be connected to are followed.
+    Nee,
+    /// By both, combined by multiple importance sampling.
+    #[default]
+    Mis,
+}
+
+/// Bounces after which a path is cut in any case, so that a lossless scene ends too. What is lost is reported.
+pub const BOUNCE_LIMIT: u32 = 4096;
+
+/// What is stored as the density of the last scattering, for the weight of a light that is hit next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PrevPdf {
+    /// The density itself: multiple importance sampling.
+    Density,
+    /// 0: lights that could have been connected to count nothing when hit.
+    Never,
+    /// Infinity: lights count in full when hit.
+    Always,
+}
+
+/// Which stages run, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Kinds of surface in the scene that scatter.
+    pub kinds: Vec<Kind>,
+    /// Whether lights are connected to: shadow rays exist.
+    pub connect: bool,
+    /// What the shade stage stores for the emit stage.
+    pub prev_pdf: PrevPdf,
+    /// Whether there are lights to hit.
+    pub emit: bool,
+    /// Whether rays that leave the scene bring radiance.
+    pub escape: bool,
+    /// Whether some triangle has vertex normals.
+    pub smooth: bool,
+    /// Whether some surface transmits, so that paths carry the scale of their radiance.
+    pub transmit: bool,
+    /// Bounces at most.
+    pub max_depth: u32,
+    /// Paths in flight per worker.
+    pub wave_size: usize,
+    method: Method,
+}
+
+impl Plan {
+    /// The plan for a scene; `max_depth` bounces at most, if given.
+    pub fn new(world: &World, method: Method, max_depth: Option<u32>, wave_size: usize) -> Self {
+        let used = |kind: Kind| world.lobes.iter().any(|l| l.kind() == kind as usize);
+        let kinds: Vec<Kind> = Kind::SCATTERING.iter().copied().filter(|&k| used(k)).collect();
+        let lit = !world.lights.is_empty();
+        let connect = lit && method != Method::Path && max_depth != Some(0) && kinds.iter().any(|k| !k.is_delta());
+        Self {
+            connect,
+            prev_pdf: match method {
+                _ if !connect => PrevPdf::Always,
+                Method::Path => PrevPdf::Always,
+                Method::Nee => PrevPdf::Never,
+                Method::Mis => PrevPdf::Density,
+            },
+            emit: lit,
+            escape: world.background.is_some(),
+            smooth: world.normals.is_some(),
+            transmit: kinds.contains(&Kind::Transparent),
+            max_depth: max_depth.unwrap_or(BOUNCE_LIMIT).min(BOUNCE_LIMIT),
+            wave_size,
+            method,
+            kinds,
+        }
+    }
+}
+
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut line =
+            |runs: bool, stage: &str, how: &str| writeln!(f, "  {} {stage:<11} {how}", if runs { "+" } else { "-" });
+        line(true, "generate", "camera rays, in lanes")?;
+        line(true, "intersect", "8-wide BVH, many rays in flight")?;
+        line(true, "route", if self.kinds.len() > 1 { "by kind of surface" } else { "hits from misses" })?;
+        line(self.escape, "escape", if self.escape { "constant background" } else { "the background is black" })?;
+        line(
+            self.emit,
+            "emit",
+            match (self.emit, self.prev_pdf) {
+                (false, _) => "nothing emits",
+                (_, PrevPdf::Density) => "lights hit, weighted against their connection",
+                (_, PrevPdf::Never) => "lights hit from the camera or after a delta lobe",
+                (_, PrevPdf::Always) => "lights hit, in full",
+            },
+        )?;
+        for &kind in Kind::SCATTERING {
+            let how = match (self.kinds.contains(&kind), kind.is_delta()) {
+                (false, _) => "no such surface",
+                (true, true) => "delta lobe: connects to no light",
+                (true, false) => "finite lobe",
+            };
+            line(self.kinds.contains(&kind), "shade", &format!("{}: {how}", kind.name()))?;
+        }
+        line(self.smooth, "normals", if self.smooth { "interpolated" } else { "all surfaces are flat" })?;
+        line(self.transmit, "scale", if self.transmit { "radiance scale per path" } else { "nothing transmits" })?;
+        line(
+            self.connect,
+            "connect",
+            match (self.connect, self.method) {
+                (true, _) => "a shadow ray per hit on a finite lobe",
+                (false, Method::Path) => "method path",
+                (false, _) => "no light, or no surface that could be connected to one",
+            },
+        )?;
+        line(true, "compact", "and regenerate")?;
+        line(true, "accumulate", "f64 sums per pixel")?;
+        let bounces = if self.max_depth == BOUNCE_LIMIT {
+            "until roulette ends it".into()
+        } else {
+            format!("at most {}", self.max_depth)
+        };
+        write!(
+            f,
+            "  bounces {bounces}; {} paths in flight per worker, {} bytes each",
+            self.wave_size,
+            self.path_bytes()
+        )
+    }
+}

@@ -1,0 +1,158 @@
+//! Scattering at surfaces of one kind: connects to a light, chooses the next ray, plays roulette.
+
+use super::plan::{Plan, PrevPdf};
+use super::queues::{HitRow, Path, Queues, Scale, Shadow};
+use super::surface::{Surface, off_surface};
+use crate::columns::Rows;
+use crate::lanes::{F32x8, Frame, Lanes, LanesU32, MAX_LANES, Mask, Vec3, select3};
+use crate::material::{Evaluated, Kind, Lobe, Materials, Table};
+use crate::sampling::{Decision, Sampler, power_heuristic};
+use crate::world::World;
+
+/// Bounces before roulette begins.
+const ROULETTE_FROM: u32 = 2;
+
+/// What became of a group of paths.
+#[derive(Clone, Copy, Debug)]
+pub struct Shaded<L: Lanes> {
+    /// The paths, one bounce on.
+    pub path: Path<L>,
+    /// Scale of their radiance.
+    pub scale: L,
+    /// Which go on.
+    pub alive: L::Mask,
+    /// Connections to lights.
+    pub shadow: Shadow<L>,
+    /// Which of them are worth a ray.
+    pub connected: L::Mask,
+}
+
+/// Density and value of the lobe in world direction `wi`, on the path's side of the surface. Directions that an
+/// interpolated normal would send into the surface are folded out of it: what is folded onto `wi` adds to it.
+#[inline(always)]
+fn eval<M: Lobe, L: Lanes>(
+    world: &World,
+    p: &M::Params<L>,
+    surface: &Surface<L>,
+    frame: &Frame<L>,
+    wo: Vec3<L>,
+    wi: Vec3<L>,
+) -> Evaluated<L> {
+    let direct = M::eval(p, wo, frame.to_local(wi));
+    if world.normals.is_none() {
+        return direct;
+    }
+    let folded = M::eval(p, wo, frame.to_local(surface.mirror(wi)));
+    Evaluated { f_cos: direct.f_cos + folded.f_cos, pdf: direct.pdf + folded.pdf }
+}
+
+/// One bounce of a group of paths at surfaces of kind `M`.
+#[inline(always)]
+pub fn shade_rows<M: Lobe, S: Sampler, L: Lanes>(
+    world: &World,
+    plan: &Plan,
+    mut path: Path<L>,
+    scale: L,
+    hit: &HitRow<L>,
+) -> Shaded<L>
+where
+    Materials: Table<M>,
+{
+    let (zero, one) = (L::splat(0.0), L::splat(1.0));
+    let ids = hit.triangle.array();
+    let rows = Table::<M>::rows(&world.materials);
+    let p = M::params::<L>(|i| rows[world.lobes[ids.as_ref()[i] as usize].row()]);
+    let wo_world = -path.direction;
+    let surface = Surface::new(world, hit, wo_world);
+    let frame = Frame::about(surface.ns);
+    let wo = frame.to_local(wo_world);
+
+    let mut shadow =
+        Shadow { origin: path.origin, direction: path.direction, radiance: path.throughput, slot: path.slot };
+    let mut connected = L::Mask::splat(false);
+    if plan.connect && !M::DELTA {
+        let u = S::draw::<L, 4>(&mut path.rng, Decision::Light, path.depth);
+        let light = world.lights.sample(u);
+        let way = light.point - surface.point;
+        let distance2 = way.length2();
+        let wi = way * (one / distance2.sqrt());
+        let cos_light = light.normal.dot(wi);
+        let lobe = eval::<M, L>(world, &p, &surface, &frame, wo, wi);
+        let pdf = light.pdf_area * distance2 / cos_light.abs();
+        let weight = match plan.prev_pdf {
+            PrevPdf::Density => power_heuristic(pdf, lobe.pdf),
+            PrevPdf::Never | PrevPdf::Always => one,
+        };
+        let radiance = path.throughput.scale(lobe.f_cos).scale(light.radiance) * (weight / pdf);
+        connected = wi.dot(surface.ng).gt(zero) & lobe.pdf.gt(zero) & radiance.max_component().gt(zero);
+        let toward = select3(cos_light.gt(zero), -light.normal, light.normal);
+        let origin = surface.spawn(L::Mask::splat(false));
+        // The way itself is rounded too, by its own length.
+        let end = off_surface(light.point, light.magnitude + way.abs(), toward);
+        shadow = Shadow { origin, direction: end - origin, radiance, slot: path.slot };
+    }
+
+    let numbers = match M::NUMBERS {
+        0 => [zero; 3],
+        1 => {
+            let [a] = S::draw::<L, 1>(&mut path.rng, Decision::Scatter, path.depth);
+            [a, zero, zero]
+        }
+        2 => {
+            let [a, b] = S::draw::<L, 2>(&mut path.rng, Decision::Scatter, path.depth);
+            [a, b, zero]
+        }
+        _ => S::draw::<L, 3>(&mut path.rng, Decision::Scatter, path.depth),
+    };
+    let scattered = M::sample(&p, wo, surface.outside, numbers);
+    let wi = surface.fold(frame.to_world(scattered.wi).normalize(), scattered.transmitted);
+    path.prev_pdf = match plan.prev_pdf {
+        _ if M::DELTA => L::splat(f32::INFINITY),
+        PrevPdf::Always => L::splat(f32::INFINITY),
+        PrevPdf::Never => zero,
+        PrevPdf::Density => eval::<M, L>(world, &p, &surface, &frame, wo, wi).pdf,
+    };
+    path.throughput = path.throughput.scale(scattered.weight);
+    let scale = if M::TRANSMITS { scale * scattered.radiance_scale } else { scale };
+
+    // Russian roulette by the share of energy that is left (Arvo and Kirk 1990), without the scale of refraction.
+    let [coin] = S::draw::<L, 1>(&mut path.rng, Decision::Roulette, path.depth);
+    let energy = path.throughput.max_component() / scale;
+    path.depth = path.depth.add(L::Uint::splat(1));
+    let plays = L::from_u24(path.depth).gt(L::splat(ROULETTE_FROM as f32));
+    let chance = L::select(plays, energy.min(one), one);
+    let alive = coin.lt(chance) & energy.gt(zero);
+    path.throughput = path.throughput * (one / chance.max(L::splat(f32::MIN_POSITIVE)));
+
+    path.origin =
+        if M::TRANSMITS { surface.spawn(scattered.transmitted) } else { surface.spawn(L::Mask::splat(false)) };
+    path.direction = wi;
+    Shaded { path, scale, alive, shadow, connected }
+}
+
+/// One bounce of all paths that hit a surface of kind `M`.
+pub fn shade<M: Lobe, S: Sampler>(q: &mut Queues, kind: Kind, world: &World, plan: &Plan)
+where
+    Materials: Table<M>,
+{
+    let list = std::mem::take(&mut q.by_kind[kind as usize]);
+    for chunk in list.chunks(MAX_LANES) {
+        let rows = Rows::listed(chunk);
+        let scale = q.scales.as_ref().map_or(F32x8::splat(1.0), |s| s.scale(&rows));
+        let out = shade_rows::<M, S, F32x8>(world, plan, q.paths.gather(&rows), scale, &q.hits.gather(&rows));
+        q.paths.scatter(&rows, out.path);
+        if M::TRANSMITS
+            && let Some(scales) = &mut q.scales
+        {
+            scales.scatter(&rows, Scale { scale: out.scale });
+        }
+        if plan.connect && !M::DELTA {
+            q.shadows.append(out.connected.bits() & rows.live(), out.shadow);
+        }
+        let alive = out.alive.bits();
+        for i in 0..rows.count() {
+            q.ended[rows.at(i)] = alive >> i & 1 == 0;
+        }
+    }
+    q.by_kind[kind as usize] = list;
+}
