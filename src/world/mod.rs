@@ -43,6 +43,22 @@ impl WorldBuilder {
     pub fn camera_mut(&mut self) -> &mut Camera {
         &mut self.camera
     }
+    /// The camera.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+    /// The materials, in order of their indices.
+    pub fn materials(&self) -> &[MaterialInput] {
+        &self.materials
+    }
+    /// The meshes, in order of their indices.
+    pub fn meshes(&self) -> &[Mesh] {
+        &self.meshes
+    }
+    /// The objects, in the order in which they were placed.
+    pub fn objects(&self) -> &[Object] {
+        &self.objects
+    }
     /// Checks everything and freezes it.
     pub fn build(self) -> Result<World> {
         let _ = Error::Scene(Vec::new());
