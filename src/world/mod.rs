@@ -50,6 +50,22 @@ impl WorldBuilder {
     pub fn camera_mut(&mut self) -> &mut Camera {
         &mut self.camera
     }
+    /// The camera.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+    /// The materials, in order of their indices.
+    pub fn materials(&self) -> &[MaterialInput] {
+        &self.materials
+    }
+    /// The meshes, in order of their indices.
+    pub fn meshes(&self) -> &[Mesh] {
+        &self.meshes
+    }
+    /// The objects, in the order in which they were placed.
+    pub fn objects(&self) -> &[Object] {
+        &self.objects
+    }
     /// Checks everything and freezes it: places the objects in f64, moves the centre of the world to the origin, scales
     /// it by a power of two to about size 1, and only then rounds to f32. Degenerate triangles are dropped and counted.
     ///
