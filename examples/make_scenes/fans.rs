@@ -12,12 +12,13 @@ enum Wall {
 }
 
 impl Wall {
-    /// Middle of the wall, its scale, and the rotation that turns its front to the fan.
-    fn place(self) -> (DVec3, f64, [f64; 3]) {
+    /// Mesh, middle and scale of the wall, and the rotation that turns its front to the fan.
+    fn place(self) -> (&'static str, DVec3, f64, [f64; 3]) {
         match self {
-            Self::Right => (dvec3(9.0, 0.0, 1.5), 14.0, [0.0, -90.0, 0.0]),
-            Self::BehindCamera => (dvec3(0.0, -18.0, 1.5), 14.0, [-90.0, 0.0, 0.0]),
-            Self::BehindFan => (dvec3(0.0, 6.0, 1.5), 5.0, [90.0, 0.0, 0.0]),
+            Self::Right => ("quad", dvec3(9.0, 0.0, 1.5), 14.0, [0.0, -90.0, 0.0]),
+            Self::BehindCamera => ("quad", dvec3(0.0, -25.0, 1.5), 60.0, [-90.0, 0.0, 0.0]),
+            // Near, so that refraction at grazing angles still ends on it; leaves black above and below.
+            Self::BehindFan => ("rect_3x7", dvec3(0.0, 1.5, 1.5), 1.45, [90.0, 90.0, 0.0]),
         }
     }
 }
@@ -34,7 +35,7 @@ pub fn scenes() -> Vec<(String, Scene)> {
     }
     for mesh in ["fan", "fan_flipped"] {
         // The wall behind the fan is in the picture, and light that leaves the glass grows by the square of 1.5.
-        for (wall, radiance) in [(Wall::BehindCamera, 4.0), (Wall::BehindFan, 0.4), (Wall::Right, 2.0)] {
+        for (wall, radiance) in [(Wall::BehindCamera, 6.0), (Wall::BehindFan, 0.4), (Wall::Right, 1.5)] {
             add(fan(mesh, "glass", Kind::Transparent(1.5), [1.0; 3], wall, radiance));
         }
     }
@@ -43,11 +44,11 @@ pub fn scenes() -> Vec<(String, Scene)> {
 
 fn fan(mesh: &str, comment: &str, kind: Kind, color: Color, wall: Wall, radiance: f64) -> Scene {
     let middle = dvec3(0.0, 0.0, 1.5);
-    let mut scene = Scene::new(dvec3(0.0, -14.0, 1.5), middle, [640, 320], 40.0);
+    let mut scene = Scene::new(dvec3(0.0, -24.0, 1.5), middle, [640, 320], 24.0);
     let surface = scene.material(comment, kind, color);
     let light = scene.material("wall of light", Kind::Luminous(radiance), [1.0; 3]);
     scene.object("ten triangles", mesh, surface, middle, Size::Scale(1.0), [0.0; 3]);
-    let (place, scale, rotation) = wall.place();
-    scene.object("wall of light", "quad", light, place, Size::Scale(scale), rotation);
+    let (wall_mesh, place, scale, rotation) = wall.place();
+    scene.object("wall of light", wall_mesh, light, place, Size::Scale(scale), rotation);
     scene
 }

@@ -19,12 +19,12 @@ fn field(p: DVec3) -> f64 {
     d = melt(d, tilted(p, dvec3(0.12, 0.0, 0.58), dvec3(0.30, 0.27, 0.46), 22.0), 0.2);
     let haunch = tilted(p, dvec3(-0.18, 0.29, 0.34), dvec3(0.34, 0.17, 0.28), -25.0);
     d = melt(d, haunch, 0.05);
-    d = melt(d, round_cone(p, dvec3(-0.28, 0.34, 0.08), dvec3(0.24, 0.36, 0.07), 0.10, 0.085), 0.05);
+    d = melt(d, round_cone(p, dvec3(-0.28, 0.34, 0.08), dvec3(0.24, 0.36, 0.07), 0.10, 0.085), 0.12);
     d = melt(d, round_cone(p, dvec3(0.26, 0.12, 0.5), dvec3(0.36, 0.13, 0.1), 0.13, 0.075), 0.06);
     d = melt(d, ellipsoid(p, dvec3(0.42, 0.135, 0.065), dvec3(0.12, 0.085, 0.07)), 0.04);
     d = melt(d, ellipsoid(p, dvec3(-0.74, 0.0, 0.3), dvec3(0.16, 0.15, 0.16)), 0.05);
     d = melt(d, head(p), 0.12);
-    d = melt(d, ear(p), 0.06);
+    d = melt(d, ear(p), 0.1);
     // Sits on the floor.
     -melt(-d, p.z, 0.04)
 }
@@ -35,9 +35,9 @@ fn head(p: DVec3) -> f64 {
     d = melt(d, ellipsoid(p, dvec3(0.42, 0.12, 0.99), dvec3(0.13, 0.1, 0.1)), 0.1);
     d = melt(d, ellipsoid(p, dvec3(0.61, 0.055, 0.99), dvec3(0.07, 0.06, 0.055)), 0.03);
     d = melt(d, ellipsoid(p, dvec3(0.672, 0.0, 1.05), dvec3(0.035, 0.04, 0.03)), 0.025);
-    let socket = ellipsoid(p, dvec3(0.44, 0.21, 1.17), dvec3(0.085, 0.06, 0.08));
-    d = -melt(-d, socket, 0.05);
-    melt(d, ellipsoid(p, dvec3(0.43, 0.165, 1.165), dvec3(0.065, 0.055, 0.06)), 0.015)
+    let socket = ellipsoid(p, dvec3(0.445, 0.215, 1.165), dvec3(0.085, 0.055, 0.075));
+    d = -melt(-d, socket, 0.06);
+    melt(d, ellipsoid(p, dvec3(0.435, 0.147, 1.16), dvec3(0.06, 0.055, 0.055)), 0.045)
 }
 
 /// A long leaf, hollow towards the front.
@@ -48,9 +48,9 @@ fn ear(p: DVec3) -> f64 {
     let q = frame.transpose() * (p - dvec3(0.14, 0.155, 1.62));
     // The tip leans back.
     let q = q + dvec3(0.22 * q.z * q.z, 0.0, 0.0);
-    let leaf = ellipsoid(q, DVec3::ZERO, dvec3(0.075, 0.125, 0.42));
-    let hollow = ellipsoid(q, dvec3(0.075, 0.0, 0.02), dvec3(0.08, 0.078, 0.33));
-    -melt(-leaf, hollow, 0.04)
+    let leaf = ellipsoid(q, DVec3::ZERO, dvec3(0.09, 0.14, 0.42));
+    let hollow = ellipsoid(q, dvec3(0.115, 0.0, 0.0), dvec3(0.085, 0.075, 0.31));
+    -melt(-leaf, hollow, 0.06)
 }
 
 /// Smooth minimum: the union of two bodies, with a fillet about `k` wide.
