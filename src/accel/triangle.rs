@@ -72,22 +72,25 @@ fn test<L: Lanes>(ray: &ShearRay, t_max: f32, corner: impl Fn(usize, usize) -> L
     finish(&e, t_max)
 }
 
-/// Takes the nearer of `hit` and what the ray hits in the leaf; of equally near triangles the smaller id.
+/// Takes the nearer of `hit` and what the ray hits in the leaf, of equally near triangles the smaller id; tells whether
+/// it took anything.
 #[inline(always)]
-pub(super) fn closest_in_leaf(leaf: &Leaf, ray: &ShearRay, hit: &mut Hit) {
+pub(super) fn closest_in_leaf(leaf: &Leaf, ray: &ShearRay, hit: &mut Hit) -> bool {
     let (mask, t, u, v) = test::<F32x8>(ray, hit.t, |k, axis| F32x8::load(&leaf.corner[k][axis]));
     let mut bits = mask.bits();
     if bits == 0 {
-        return;
+        return false;
     }
     let (t, u, v) = (t.array(), u.array(), v.array());
+    let before = hit.triangle;
     while bits != 0 {
-        let i = bits.trailing_zeros() as usize;
+        let i = bits.trailing_zeros() as usize & 7;
         bits &= bits - 1;
         if t[i] < hit.t || (t[i] == hit.t && leaf.id[i] < hit.triangle) {
             *hit = Hit { t: t[i], u: u[i], v: v[i], triangle: leaf.id[i] };
         }
     }
+    hit.triangle != before
 }
 
 /// Whether the ray hits anything in the leaf nearer than `t_max`.

@@ -97,6 +97,14 @@ pub struct World {
 }
 
 impl World {
+    /// Corners of every triangle, in world coordinates.
+    pub fn corners(&self) -> &[[[f32; 3]; 3]] {
+        &self.corners
+    }
+    /// The camera, in world coordinates.
+    pub fn view(&self) -> &View {
+        &self.view
+    }
     /// Number of triangles.
     pub fn triangles(&self) -> usize {
         self.corners.len()
