@@ -10,7 +10,8 @@ use std::{fs, io};
 use glam::DVec3;
 
 use super::fields::fits_single;
-use super::obj_lines::{Flaw, Lines, diagnose};
+use super::obj_check::Flaw;
+use super::obj_lines::{Lines, diagnose};
 use crate::error::Problem;
 use crate::world::Mesh;
 
