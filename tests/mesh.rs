@@ -175,6 +175,11 @@ fn comments_and_names_need_not_be_utf8() {
     assert_eq!(triangles(&load(&text).unwrap()), [[A, B, C]]);
 }
 
+#[test]
+fn a_byte_order_mark_hides_no_vertex() {
+    assert_eq!(triangles(&mesh(&format!("\u{feff}{CORNERS}f 1 2 3\n"))), [[A, B, C]]);
+}
+
 /// Each mistake alone in a file behind five vertices (lines 1 to 5) and one normal (line 6).
 #[test]
 fn every_mistake_has_its_place() {
