@@ -175,6 +175,11 @@ fn comments_and_names_need_not_be_utf8() {
     assert_eq!(triangles(&load(&text).unwrap()), [[A, B, C]]);
 }
 
+#[test]
+fn a_byte_order_mark_hides_no_vertex() {
+    assert_eq!(triangles(&mesh(&format!("\u{feff}{CORNERS}f 1 2 3\n"))), [[A, B, C]]);
+}
+
 /// Each mistake alone in a file behind five vertices (lines 1 to 5) and one normal (line 6).
 #[test]
 fn every_mistake_has_its_place() {
@@ -268,5 +273,5 @@ fn a_mesh_of_several_objects_is_read_once() {
     assert_eq!(used, [0, 1, 0]);
 
     let messages = load_scene(&scene, &[("mesh.obj", b"f 1 2 3"), ("b.obj", obj.as_bytes())]).map(|_| ()).unwrap_err();
-    assert_eq!(messages.len(), 3, "one per index, and not again for the second object: {messages:?}");
+    assert_eq!(messages.len(), 1, "told once, not again for the second object: {messages:?}");
 }

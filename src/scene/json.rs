@@ -72,17 +72,36 @@ pub(super) fn parse(text: &str, problems: &mut Problems) -> Option<Node> {
     match serde_json::from_str::<&RawValue>(text) {
         Ok(raw) => Tree { text, problems }.node(raw, "", 0),
         Err(error) => {
-            let message = error.to_string();
-            let message = message.split(" at line ").next().unwrap_or_default();
-            let expected = match error.is_eof() {
-                true => "a complete JSON document",
-                false => "valid JSON",
-            };
-            let at = problems.offset(error.line(), error.column());
-            problems.error(at, "", message, expected);
+            grammar(text, &error, problems);
             None
         }
     }
+}
+
+/// Notes a mistake of grammar.
+fn grammar(text: &str, error: &serde_json::Error, problems: &mut Problems) {
+    let at = problems.offset(error.line(), error.column());
+    let message = message(error);
+    if error.is_eof() {
+        problems.error(at, "", message, "a complete JSON document");
+        return;
+    }
+    let (before, rest) = text.split_at_checked(at).unwrap_or((text, ""));
+    let (found, hint) = match rest.chars().next() {
+        Some(']' | '}') if before.trim_end().ends_with(',') => (None, "the comma before it is one too many"),
+        Some('/' | '#') => (None, "JSON has no comments, but every object may have a `comment`"),
+        _ if message.starts_with("expected") || message.starts_with("key must") => (None, message.as_str()),
+        _ => (Some(message.clone()), ""),
+    };
+    let found = found.or_else(|| rest.chars().next().map(|character| format!("`{character}`")));
+    let hint = (!hint.is_empty()).then(|| hint.to_owned());
+    problems.error_with_hint(at, "", found.unwrap_or_else(|| message.clone()), "valid JSON", hint);
+}
+
+/// What `serde_json` says, without the place.
+fn message(error: &serde_json::Error) -> String {
+    let message = error.to_string();
+    message.split(" at line ").next().unwrap_or_default().to_owned()
 }
 
 struct Tree<'a, 'p, 'f> {
@@ -141,9 +160,7 @@ impl<'a> Tree<'a, '_, '_> {
     fn read<T: Deserialize<'a>>(&mut self, raw: &'a RawValue, path: &str) -> Option<T> {
         serde_json::from_str(raw.get())
             .map_err(|error| {
-                let message = error.to_string();
-                let message = message.split(" at line ").next().unwrap_or_default();
-                self.problems.error(self.offset(raw), path, message, "valid JSON");
+                self.problems.error(self.offset(raw), path, message(&error), "valid JSON");
             })
             .ok()
     }
@@ -232,8 +249,18 @@ mod tests {
     }
 
     #[test]
+    fn common_slips_of_grammar_have_a_remedy() {
+        assert_eq!(errors("[1, ]"), ["s:1:5: found `]`, expected valid JSON (the comma before it is one too many)"]);
+        assert_eq!(errors("{1: 2}"), ["s:1:2: found `1`, expected valid JSON (key must be a string)"]);
+        assert_eq!(errors("[01]"), ["s:1:3: found invalid number, expected valid JSON"]);
+        assert!(
+            errors("[1, // one\n 2]")[0].starts_with("s:1:5: found `/`, expected valid JSON (JSON has no comments")
+        );
+    }
+
+    #[test]
     fn grammar_is_placed_in_characters() {
-        assert_eq!(errors("{\"ä\" 1}"), ["s:1:6: found expected `:`, expected valid JSON"]);
+        assert_eq!(errors("{\"ä\" 1}"), ["s:1:6: found `1`, expected valid JSON (expected `:`)"]);
         assert_eq!(errors("[1,\n"), ["s:2:1: found EOF while parsing a value, expected a complete JSON document"]);
     }
 }

@@ -8,6 +8,7 @@ mod fields;
 mod json;
 mod material;
 mod obj;
+mod obj_check;
 mod obj_lines;
 mod object;
 mod problems;

@@ -10,7 +10,8 @@ use std::{fs, io};
 use glam::DVec3;
 
 use super::fields::fits_single;
-use super::obj_lines::{Flaw, Lines, diagnose};
+use super::obj_check::Flaw;
+use super::obj_lines::{Lines, diagnose};
 use crate::error::Problem;
 use crate::world::Mesh;
 
@@ -25,11 +26,13 @@ pub(super) enum Failure {
 
 /// Reads the mesh at `path`: the faces of all its groups in their order, polygons as fans about their first corner.
 pub(super) fn load(path: &Path) -> Result<Mesh, Failure> {
-    let text = fs::read(path).map_err(Failure::Unreadable)?;
-    parse(&text).map_err(|flaws| {
+    let bytes = fs::read(path).map_err(Failure::Unreadable)?;
+    // Behind a byte order mark the first statement would not be recognised.
+    let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes);
+    parse(text).map_err(|flaws| {
         let problem = |flaw: Flaw| Problem {
             file: path.to_owned(),
-            place: flaw.at.map(|at| place(&text, at)),
+            place: flaw.at.map(|at| place(text, at)),
             path: String::new(),
             found: flaw.found,
             expected: flaw.expected,
