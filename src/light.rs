@@ -70,6 +70,8 @@ pub struct LightPoint<L: Lanes> {
 #[derive(Clone, Debug, Default)]
 pub struct Lights {
     emitters: Vec<Emitter>,
+    /// What sampling reads of each emitter, in one cache line: corners and normal, then radiance and density.
+    rows: Vec<[[f32; 8]; 2]>,
     table: AliasTable,
     power: f64,
 }
@@ -84,7 +86,13 @@ impl Lights {
     pub fn new(emitters: Vec<Emitter>) -> Self {
         let powers: Vec<f64> = emitters.iter().map(|e| f64::from(e.area) * luminance(e.radiance)).collect();
         let table = if powers.is_empty() { AliasTable::default() } else { AliasTable::new(&powers) };
-        Self { emitters, table, power: powers.iter().sum() }
+        let mut lights = Self { emitters, rows: Vec::new(), table, power: powers.iter().sum() };
+        lights.rows = lights.emitters.iter().map(|e| lights.row(e)).collect();
+        lights
+    }
+    fn row(&self, e: &Emitter) -> [[f32; 8]; 2] {
+        let ([[ax, ay, az], [bx, by, bz], [cx, cy, cz]], [nx, ny, nz], [r, g, b]) = (e.corners, e.normal, e.radiance);
+        [[ax, ay, az, bx, by, bz, cx, cy], [cz, nx, ny, nz, r, g, b, self.pdf_area(e.radiance)]]
     }
     /// Number of luminous triangles.
     pub fn len(&self) -> usize {
@@ -105,25 +113,25 @@ impl Lights {
     }
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.emitters.len() * (size_of::<Emitter>() + 8)
+        self.emitters.len() * (size_of::<Emitter>() + 64 + 8)
     }
     /// Chooses a point on a light by four uniform numbers. There must be a light.
     #[inline(always)]
     pub fn sample<L: Lanes>(&self, u: [L; 4]) -> LightPoint<L> {
         let (pick, coin) = (u[0].array(), u[1].array());
         let chosen = L::Uint::from_fn(|i| self.table.draw(pick.as_ref()[i], coin.as_ref()[i]) as u32).array();
-        let emitter = |i: usize| &self.emitters[chosen.as_ref()[i] as usize];
-        let corner = |k: usize| Vec3::<L>::from_fn(|i| emitter(i).corners[k]);
-        let (a, b, c) = (corner(0), corner(1), corner(2));
+        let row = |i: usize| &self.rows[chosen.as_ref()[i] as usize];
+        let [ax, ay, az, bx, by, bz, cx, cy] = L::columns8(|i| &row(i)[0]);
+        let [cz, nx, ny, nz, red, green, blue, pdf_area] = L::columns8(|i| &row(i)[1]);
+        let (a, b, c) = (Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz));
         let (v, w) = warp::triangle([u[2], u[3]]);
         let t = L::splat(1.0) - v - w;
-        let radiance = Vec3::from_fn(|i| emitter(i).radiance);
         LightPoint {
             point: a.mul_add(t, b.mul_add(v, c * w)),
             magnitude: a.abs().mul_add(t.abs(), b.abs().mul_add(v, c.abs() * w)),
-            normal: Vec3::from_fn(|i| emitter(i).normal),
-            radiance,
-            pdf_area: L::from_fn(|i| self.pdf_area(emitter(i).radiance)),
+            normal: Vec3::new(nx, ny, nz),
+            radiance: Vec3::new(red, green, blue),
+            pdf_area,
         }
     }
 }

@@ -22,18 +22,20 @@ pub(super) const SLAB_SLACK: f32 = 1.0 + 4.0 * f32::EPSILON;
 const TINY: f32 = 1e-20;
 
 impl BoxRay {
+    #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         let mut b = Self::default();
         for a in 0..3 {
             let d = ray.direction[a];
-            let inv = 1.0 / if d.abs() < TINY { TINY.copysign(d) } else { d };
+            let inv = 1.0 / d.abs().max(TINY).copysign(d);
             let off = ray.origin[a] * inv;
             let pad = off.abs() * (2.0 * f32::EPSILON);
+            let backwards = 3 * (inv.to_bits() >> 31) as usize;
             b.inv[a] = inv;
             b.near_off[a] = off + pad;
             b.far_off[a] = off - pad;
-            b.near_row[a] = if inv < 0.0 { a + 3 } else { a };
-            b.far_row[a] = if inv < 0.0 { a } else { a + 3 };
+            b.near_row[a] = a + backwards;
+            b.far_row[a] = a + 3 - backwards;
         }
         b
     }
@@ -49,21 +51,19 @@ pub(super) struct ShearRay {
     pub shear: [f32; 3],
 }
 
+/// Axes for each largest component, upwards and downwards: the handedness of the triangle stays.
+const AXES: [[usize; 3]; 6] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [2, 1, 0], [0, 2, 1], [1, 0, 2]];
+
 impl ShearRay {
+    #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         let d = ray.direction;
         let a = d.map(f32::abs);
-        let z = if a[0] > a[1] {
-            if a[0] > a[2] { 0 } else { 2 }
-        } else if a[1] > a[2] {
-            1
-        } else {
-            2
-        };
-        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
-        if d[z] < 0.0 {
-            std::mem::swap(&mut x, &mut y);
-        }
-        Self { origin: ray.origin, axis: [x, y, z], shear: [d[x] / d[z], d[y] / d[z], 1.0 / d[z]] }
+        // Selections in place of branches: which axis is the largest is anyone's guess.
+        let first = usize::from(a[0] <= a[1]);
+        let z = if a[2] >= a[0].max(a[1]) { 2 } else { first };
+        let axis = AXES[z + 3 * (d[z].to_bits() >> 31) as usize];
+        let inv = 1.0 / d[z];
+        Self { origin: ray.origin, axis, shear: [d[axis[0]] * inv, d[axis[1]] * inv, inv] }
     }
 }

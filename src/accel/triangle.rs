@@ -77,20 +77,18 @@ fn test<L: Lanes>(ray: &ShearRay, t_max: f32, corner: impl Fn(usize, usize) -> L
 #[inline(always)]
 pub(super) fn closest_in_leaf(leaf: &Leaf, ray: &ShearRay, hit: &mut Hit) -> bool {
     let (mask, t, u, v) = test::<F32x8>(ray, hit.t, |k, axis| F32x8::load(&leaf.corner[k][axis]));
-    let mut bits = mask.bits();
-    if bits == 0 {
+    if mask.bits() == 0 {
         return false;
     }
-    let (t, u, v) = (t.array(), u.array(), v.array());
-    let before = hit.triangle;
-    while bits != 0 {
-        let i = bits.trailing_zeros() as usize & 7;
-        bits &= bits - 1;
-        if t[i] < hit.t || (t[i] == hit.t && leaf.id[i] < hit.triangle) {
-            *hit = Hit { t: t[i], u: u[i], v: v[i], triangle: leaf.id[i] };
-        }
+    // Ids ascend within a leaf: the first of equally near lanes has the smallest.
+    let t = F32x8::select(mask, t, F32x8::splat(f32::INFINITY));
+    let nearest = t.min_lane();
+    let i = (t.eq(F32x8::splat(nearest)).bits().trailing_zeros() & 7) as usize;
+    if nearest == hit.t && leaf.id[i] >= hit.triangle {
+        return false;
     }
-    hit.triangle != before
+    *hit = Hit { t: nearest, u: u.array()[i], v: v.array()[i], triangle: leaf.id[i] };
+    true
 }
 
 /// Whether the ray hits anything in the leaf nearer than `t_max`.

@@ -115,6 +115,8 @@ pub trait Lanes:
     fn from_fn(f: impl FnMut(usize) -> f32) -> Self;
     /// Lanes `src[0..N]`.
     fn load(src: &[f32]) -> Self;
+    /// Eight columns from a row of eight numbers per lane: lane i of column k is `row(i)[k]`.
+    fn columns8<'a>(row: impl Fn(usize) -> &'a [f32; 8]) -> [Self; 8];
     /// The lanes one by one.
     fn array(self) -> Self::Array;
     /// Writes the lanes to `dst[0..N]`.

@@ -87,6 +87,10 @@ impl Lanes for f32 {
         src[0]
     }
     #[inline(always)]
+    fn columns8<'a>(row: impl Fn(usize) -> &'a [f32; 8]) -> [Self; 8] {
+        *row(0)
+    }
+    #[inline(always)]
     fn array(self) -> [f32; 1] {
         [self]
     }

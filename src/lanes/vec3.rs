@@ -27,12 +27,17 @@ impl<L: Lanes> Vec3<L> {
     }
     /// Lane i is `f(i)`.
     #[inline(always)]
-    pub fn from_fn(mut f: impl FnMut(usize) -> [f32; 3]) -> Self {
-        let mut rows = [[0.0; 3]; super::MAX_LANES];
-        for (i, row) in rows.iter_mut().enumerate().take(L::N) {
-            *row = f(i);
-        }
-        Self::new(L::from_fn(|i| rows[i][0]), L::from_fn(|i| rows[i][1]), L::from_fn(|i| rows[i][2]))
+    pub fn from_fn(f: impl Fn(usize) -> [f32; 3]) -> Self {
+        Self::new(L::from_fn(|i| f(i)[0]), L::from_fn(|i| f(i)[1]), L::from_fn(|i| f(i)[2]))
+    }
+    /// Three vectors from a row of nine numbers per lane.
+    #[inline(always)]
+    pub fn triple<'a>(row: impl Fn(usize) -> &'a [[f32; 3]; 3]) -> [Self; 3] {
+        let [ax, ay, az, bx, by, bz, cx, cy] = L::columns8(|i| {
+            row(i).as_flattened().first_chunk().expect("nine numbers hold eight")
+        });
+        let cz = L::from_fn(|i| row(i)[2][2]);
+        [Self::new(ax, ay, az), Self::new(bx, by, bz), Self::new(cx, cy, cz)]
     }
     /// Dot product.
     #[inline(always)]

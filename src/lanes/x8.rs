@@ -174,6 +174,18 @@ macro_rules! arithmetic {
 }
 arithmetic!(Add add, Sub sub, Mul mul, Div div);
 
+impl F32x8 {
+    /// The smallest lane; no lane is NaN.
+    #[inline(always)]
+    pub fn min_lane(self) -> f32 {
+        let bits = self.to_bits();
+        let swap = |v: Self, order: [u32; 8]| v.min(Self::from_bits(v.to_bits().permute_const(order)));
+        let v = swap(Self::from_bits(bits), [4, 5, 6, 7, 0, 1, 2, 3]);
+        let v = swap(v, [2, 3, 0, 1, 6, 7, 4, 5]);
+        swap(v, [1, 0, 3, 2, 5, 4, 7, 6]).array()[0]
+    }
+}
+
 impl Neg for F32x8 {
     type Output = Self;
     #[inline(always)]
@@ -199,6 +211,10 @@ impl Lanes for F32x8 {
     fn load(src: &[f32]) -> Self {
         let lanes: &[f32; 8] = src[..8].try_into().expect("eight lanes");
         Self(f32x8::new(*lanes))
+    }
+    #[inline(always)]
+    fn columns8<'a>(row: impl Fn(usize) -> &'a [f32; 8]) -> [Self; 8] {
+        f32x8::transpose(std::array::from_fn(|i| f32x8::new(*row(i)))).map(Self)
     }
     #[inline(always)]
     fn array(self) -> [f32; 8] {
@@ -307,6 +323,12 @@ mod tests {
                 );
             }
         }
+        let rows: [[f32; 8]; 8] = std::array::from_fn(|i| std::array::from_fn(|k| (10 * i + k) as f32));
+        let columns = F32x8::columns8(|i| &rows[i]);
+        for (k, column) in columns.iter().enumerate() {
+            assert_eq!(column.array(), std::array::from_fn(|i| rows[i][k]));
+        }
+        assert_eq!(F32x8::load(&[3.0, 8.0, 2.5, 9.0, 7.0, 2.0, 4.0, 6.0]).min_lane(), 2.0);
         for x in [0.5f32, 1.5, 2.5, -0.5, -1.5, 0.49999997, 8388609.0] {
             assert!(same(F32x8::splat(x).round().array()[0], Lanes::round(x)), "round({x})");
         }

@@ -15,8 +15,7 @@ pub fn emitted_radiance<L: Lanes>(world: &World, path: &Path<L>, hit: &HitRow<L>
     let ids = hit.triangle.array();
     let id = |i: usize| ids.as_ref()[i] as usize;
     let light = |i: usize| world.materials.luminous()[world.lobes[id(i)].row()];
-    let corner = |k: usize| Vec3::<L>::from_fn(|i| world.corners[id(i)][k]);
-    let (a, b, c) = (corner(0), corner(1), corner(2));
+    let [a, b, c] = Vec3::triple(|i| &world.corners[id(i)]);
     let (e1, e2) = (b - a, c - a);
     let to_point = (a - path.origin) + e1 * hit.u + e2 * hit.v;
     let cos = e1.cross(e2).normalize().dot(path.direction).abs();

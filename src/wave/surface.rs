@@ -37,8 +37,7 @@ impl<L: Lanes> Surface<L> {
     pub fn new(world: &World, hit: &HitRow<L>, wo: Vec3<L>) -> Self {
         let ids = hit.triangle.array();
         let id = |i: usize| ids.as_ref()[i] as usize;
-        let corner = |k: usize| Vec3::<L>::from_fn(|i| world.corners[id(i)][k]);
-        let (a, b, c) = (corner(0), corner(1), corner(2));
+        let [a, b, c] = Vec3::triple(|i| &world.corners[id(i)]);
         let w = L::splat(1.0) - hit.u - hit.v;
         let point = a.mul_add(w, b.mul_add(hit.u, c * hit.v));
         let magnitude = a.abs().mul_add(w.abs(), b.abs().mul_add(hit.u, c.abs() * hit.v));
@@ -48,8 +47,8 @@ impl<L: Lanes> Surface<L> {
         let ns = match &world.normals {
             None => ng,
             Some(normals) => {
-                let normal = |k: usize| Vec3::<L>::from_fn(|i| normals[id(i)][k]);
-                let sum = normal(0).mul_add(w, normal(1).mul_add(hit.u, normal(2) * hit.v));
+                let [na, nb, nc] = Vec3::triple(|i| &normals[id(i)]);
+                let sum = na.mul_add(w, nb.mul_add(hit.u, nc * hit.v));
                 facing(sum, ng, wo)
             }
         };
