@@ -4,7 +4,7 @@
 //! thread, median and best of the repeats.
 
 use std::time::Instant;
-use wavetrace::accel::{Bvh, Hit, Many, Ray, Single};
+use wavetrace::accel::{Bvh, Hit, Many, Ray, Single, from_slice};
 use wavetrace::lanes::{Frame, Vec3};
 use wavetrace::sampling::{Decision, Sampler, Xoshiro, warp};
 use wavetrace::scene;
@@ -26,6 +26,7 @@ fn bounce(corners: &[[[f32; 3]; 3]], ray: &Ray, hit: &Hit, number: u32) -> Optio
 
 fn report(name: &str, rays: &[Ray], bvh: &Bvh) {
     let (mut single, mut many) = (Single::new(bvh), Many::new(bvh));
+    let short: Vec<Ray> = rays.iter().map(|r| Ray { t_max: 0.5, ..*r }).collect();
     let mut times = [const { Vec::new() }; 4];
     let mut sums = [0u64; 4];
     for _ in 0..REPEATS {
@@ -33,14 +34,14 @@ fn report(name: &str, rays: &[Ray], bvh: &Bvh) {
         sums[0] = rays.iter().map(|r| u64::from(single.closest(bvh, r).triangle)).sum();
         times[0].push(clock.elapsed());
         let (clock, mut sum) = (Instant::now(), 0);
-        many.closest(bvh, rays.len(), |i| rays[i], |_, hit| sum += u64::from(hit.triangle));
+        many.closest(bvh, rays.len(), from_slice(rays), |_, hit| sum += u64::from(hit.triangle));
         times[1].push(clock.elapsed());
         sums[1] = sum;
         let clock = Instant::now();
-        sums[2] = rays.iter().map(|r| u64::from(single.any(bvh, &Ray { t_max: 0.5, ..*r }))).sum();
+        sums[2] = short.iter().map(|r| u64::from(single.any(bvh, r))).sum();
         times[2].push(clock.elapsed());
         let (clock, mut sum) = (Instant::now(), 0);
-        many.any(bvh, rays.len(), |i| Ray { t_max: 0.5, ..rays[i] }, |_, hit| sum += u64::from(hit));
+        many.any(bvh, rays.len(), from_slice(&short), |_, hit| sum += u64::from(hit));
         times[3].push(clock.elapsed());
         sums[3] = sum;
     }
@@ -48,14 +49,20 @@ fn report(name: &str, rays: &[Ray], bvh: &Bvh) {
     for (kernel, mut t) in ["single closest", "many closest", "single any", "many any"].into_iter().zip(times) {
         t.sort();
         let ns = |i: usize| t[i].as_secs_f64() * 1e9 / rays.len() as f64;
-        println!("{name:28} {kernel:15} {:9} rays  median {:7.1} ns  best {:7.1} ns", rays.len(), ns(REPEATS / 2), ns(0));
+        println!(
+            "{name:28} {kernel:15} {:9} rays  median {:7.1} ns  best {:7.1} ns",
+            rays.len(),
+            ns(REPEATS / 2),
+            ns(0)
+        );
     }
 }
 
 fn main() {
     let mut files: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     if files.is_empty() {
-        files = ["cornell", "demo3", "demo4"].map(|n| format!("{}/scenes/{n}.json", env!("CARGO_MANIFEST_DIR"))).to_vec();
+        files =
+            ["cornell", "demo3", "demo4"].map(|n| format!("{}/scenes/{n}.json", env!("CARGO_MANIFEST_DIR"))).to_vec();
     }
     for file in files {
         let mut builder = scene::load(file.as_ref()).expect("a scene that loads").builder;

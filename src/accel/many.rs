@@ -3,11 +3,12 @@
 //! each other, so that the latency of memory and of the sorting network is hidden behind the others.
 
 use super::layout::Node;
-use super::ray::{BoxRay, ShearRay};
+use super::ray::{Prepared, Prepared8, RayLanes};
 use super::single::{boxes, distance, keys, sort};
 use super::triangle::{any_in_leaf, closest_in_leaf};
 use super::{Bvh, Hit, LEAF, Ray};
-use crate::lanes::{LanesU32, Mask, U32x8};
+use crate::columns::Rows;
+use crate::lanes::{F32x8, Lanes, LanesU32, MAX_LANES, Mask, U32x8, Vec3};
 
 /// Rays in flight.
 const SLOTS: usize = 16;
@@ -16,8 +17,7 @@ const DONE: u32 = LEAF - 1;
 
 #[derive(Clone, Copy, Debug)]
 struct Slot {
-    boxed: BoxRay,
-    sheared: ShearRay,
+    prepared: Prepared,
     hit: Hit,
     /// Where the ray stands: a child code.
     at: u32,
@@ -69,42 +69,65 @@ pub struct Many {
     keys: Vec<u32>,
     codes: Vec<u32>,
     stride: usize,
+    /// The next rays of the batch.
+    ready: Prepared8,
+}
+
+/// Rays of a slice, as a batch wants them.
+pub fn from_slice(rays: &[Ray]) -> impl Fn(&Rows) -> RayLanes<F32x8> {
+    |rows| RayLanes {
+        origin: Vec3::from_fn(|i| rays[rows.at(i)].origin),
+        direction: Vec3::from_fn(|i| rays[rows.at(i)].direction),
+        t_max: F32x8::from_fn(|i| rays[rows.at(i)].t_max),
+    }
 }
 
 impl Many {
     /// Room for any batch on `bvh`.
     pub fn new(bvh: &Bvh) -> Self {
         let ray = Ray { origin: [0.0; 3], direction: [1.0; 3], t_max: 0.0 };
-        let (boxed, sheared) = (BoxRay::new(&ray), ShearRay::new(&ray));
-        let slot = Slot { boxed, sheared, hit: Hit::miss(0.0), at: 0, top: 0, ray: 0 };
+        let slot = Slot { prepared: Prepared::new(&ray), hit: Hit::miss(0.0), at: 0, top: 0, ray: 0 };
         let stride = bvh.stack_bound + 1;
         Self {
             slots: vec![slot; SLOTS],
             keys: vec![0; SLOTS * stride],
             codes: vec![DONE; SLOTS * stride],
             stride,
+            ready: Prepared8::empty(),
         }
     }
 
-    /// Calls `found(i, hit)` with the nearest hit of each of the `count` rays `ray(i)`, in any order.
-    pub fn closest(&mut self, bvh: &Bvh, count: usize, ray: impl Fn(usize) -> Ray, found: impl FnMut(usize, Hit)) {
-        self.trace::<false>(bvh, count, ray, found);
+    /// Calls `found(i, hit)` with the nearest hit of each of `count` rays, in any order; `rays` gives them by rows.
+    pub fn closest(
+        &mut self,
+        bvh: &Bvh,
+        count: usize,
+        rays: impl Fn(&Rows) -> RayLanes<F32x8>,
+        found: impl FnMut(usize, Hit),
+    ) {
+        self.trace::<false>(bvh, count, rays, found);
     }
 
-    /// Calls `found(i, hit)` with whether each of the `count` rays `ray(i)` hits anything, in any order.
-    pub fn any(&mut self, bvh: &Bvh, count: usize, ray: impl Fn(usize) -> Ray, mut found: impl FnMut(usize, bool)) {
-        self.trace::<true>(bvh, count, ray, |i, hit| found(i, hit.is_some()));
+    /// Calls `found(i, hit)` with whether each of `count` rays hits anything, in any order; `rays` gives them by rows.
+    pub fn any(
+        &mut self,
+        bvh: &Bvh,
+        count: usize,
+        rays: impl Fn(&Rows) -> RayLanes<F32x8>,
+        mut found: impl FnMut(usize, bool),
+    ) {
+        self.trace::<true>(bvh, count, rays, |i, hit| found(i, hit.is_some()));
     }
 
     fn trace<const ANY: bool>(
         &mut self,
         bvh: &Bvh,
         count: usize,
-        ray: impl Fn(usize) -> Ray,
+        rays: impl Fn(&Rows) -> RayLanes<F32x8>,
         mut found: impl FnMut(usize, Hit),
     ) {
         if bvh.nodes.is_empty() {
-            (0..count).for_each(|i| found(i, Hit::miss(ray(i).t_max)));
+            (0..count).for_each(|i| found(i, Hit::miss(rays(&Rows::range(i, 1)).t_max.array()[0])));
             return;
         }
         let mut work = Work::default();
@@ -116,7 +139,10 @@ impl Many {
             for k in 0..idle.len {
                 if next < count {
                     let s = idle.slots[k] as usize;
-                    self.start(s, next, &ray(next));
+                    if next % MAX_LANES == 0 {
+                        self.ready.fill(&rays(&Rows::range(next, MAX_LANES.min(count - next))));
+                    }
+                    self.start(s, next);
                     work.inner.push_if(s, true);
                     next += 1;
                 }
@@ -145,16 +171,14 @@ impl Many {
     }
 
     #[inline(always)]
-    fn start(&mut self, s: usize, number: usize, ray: &Ray) {
+    fn start(&mut self, s: usize, number: usize) {
+        let slot = &mut self.slots[s];
+        self.ready.copy_to(number % MAX_LANES, &mut slot.prepared);
+        slot.hit = Hit::miss(slot.prepared.t_max);
+        slot.at = 0;
         // The stack's first entry says that the ray is done, and stays.
-        self.slots[s] = Slot {
-            boxed: BoxRay::new(ray),
-            sheared: ShearRay::new(ray),
-            hit: Hit::miss(ray.t_max),
-            at: 0,
-            top: s * self.stride + 1,
-            ray: number,
-        };
+        slot.top = s * self.stride + 1;
+        slot.ray = number;
     }
 
     /// Enters a node: pushes the children that the ray meets, nearest on top, and goes to what is on top then.
@@ -162,7 +186,7 @@ impl Many {
     fn step_inner<const ANY: bool>(&mut self, bvh: &Bvh, s: usize) -> u32 {
         let slot = &mut self.slots[s];
         let node: &Node = &bvh.nodes[slot.at as usize];
-        let (mask, near) = boxes(node, &slot.boxed, slot.hit.t);
+        let (mask, near) = boxes(node, &slot.prepared, slot.hit.t);
         let bits = mask.bits();
         let child = U32x8::load(&node.child);
         if ANY {
@@ -187,11 +211,11 @@ impl Many {
         let leaf = &bvh.leaves[(slot.at & !LEAF) as usize];
         let bottom = s * self.stride + 1;
         if ANY {
-            if any_in_leaf(leaf, &slot.sheared, slot.hit.t) {
+            if any_in_leaf(leaf, &slot.prepared, slot.hit.t) {
                 slot.hit.triangle = 0;
                 slot.top = bottom;
             }
-        } else if closest_in_leaf(leaf, &slot.sheared, &mut slot.hit) {
+        } else if closest_in_leaf(leaf, &slot.prepared, &mut slot.hit) {
             let mut kept = bottom;
             for i in bottom..slot.top {
                 (self.keys[kept], self.codes[kept]) = (self.keys[i], self.codes[i]);

@@ -13,7 +13,8 @@ mod single;
 mod triangle;
 
 pub use brute::brute_force;
-pub use many::Many;
+pub use many::{Many, from_slice};
+pub use ray::RayLanes;
 pub use single::Single;
 
 use layout::{Leaf, Node};

@@ -1,7 +1,7 @@
 //! One ray at a time (kernel A): the node's eight boxes at once, nearest first. For stragglers and as the oracle.
 
 use super::layout::Node;
-use super::ray::{BoxRay, SLAB_SLACK, ShearRay};
+use super::ray::{FAR_ROWS, NEAR_ROWS, Prepared, SLAB_SLACK};
 use super::triangle::{any_in_leaf, closest_in_leaf};
 use super::{Bvh, Hit, LEAF, Ray};
 use crate::lanes::{F32x8, Lanes, LanesU32, Mask, U32x8};
@@ -15,13 +15,14 @@ pub struct Single {
 
 /// (lanes whose box the ray meets before `t_max`, where it enters them).
 #[inline(always)]
-pub(super) fn boxes(node: &Node, ray: &BoxRay, t_max: f32) -> (<F32x8 as Lanes>::Mask, F32x8) {
+pub(super) fn boxes(node: &Node, ray: &Prepared, t_max: f32) -> (<F32x8 as Lanes>::Mask, F32x8) {
     let mut near = F32x8::splat(0.0);
     let mut far = F32x8::splat(t_max);
+    let (near_rows, far_rows) = (NEAR_ROWS[(ray.octant & 7) as usize], FAR_ROWS[(ray.octant & 7) as usize]);
     for a in 0..3 {
         let inv = F32x8::splat(ray.inv[a]);
-        let n = F32x8::load(&node.bounds[ray.near_row[a]]).mul_add(inv, F32x8::splat(-ray.near_off[a]));
-        let f = F32x8::load(&node.bounds[ray.far_row[a]]).mul_add(inv, F32x8::splat(-ray.far_off[a]));
+        let n = F32x8::load(&node.bounds[near_rows[a]]).mul_add(inv, F32x8::splat(-ray.near_off[a]));
+        let f = F32x8::load(&node.bounds[far_rows[a]]).mul_add(inv, F32x8::splat(-ray.far_off[a]));
         near = near.max(n);
         far = far.min(f);
     }
@@ -74,7 +75,7 @@ impl Single {
         if bvh.nodes.is_empty() {
             return hit;
         }
-        let (boxed, sheared) = (BoxRay::new(ray), ShearRay::new(ray));
+        let prepared = Prepared::new(ray);
         self.keys[0] = u32::MAX;
         self.codes[0] = 0;
         let mut top = 1;
@@ -85,9 +86,9 @@ impl Single {
             }
             let code = self.codes[top];
             if code & LEAF != 0 {
-                closest_in_leaf(&bvh.leaves[(code & !LEAF) as usize], &sheared, &mut hit);
+                closest_in_leaf(&bvh.leaves[(code & !LEAF) as usize], &prepared, &mut hit);
             } else {
-                top += self.push(&bvh.nodes[code as usize], &boxed, hit.t, top);
+                top += self.push(&bvh.nodes[code as usize], &prepared, hit.t, top);
             }
         }
         hit
@@ -98,19 +99,19 @@ impl Single {
         if bvh.nodes.is_empty() {
             return false;
         }
-        let (boxed, sheared) = (BoxRay::new(ray), ShearRay::new(ray));
+        let prepared = Prepared::new(ray);
         self.codes[0] = 0;
         let mut top = 1;
         while top > 0 {
             top -= 1;
             let code = self.codes[top];
             if code & LEAF != 0 {
-                if any_in_leaf(&bvh.leaves[(code & !LEAF) as usize], &sheared, ray.t_max) {
+                if any_in_leaf(&bvh.leaves[(code & !LEAF) as usize], &prepared, ray.t_max) {
                     return true;
                 }
             } else {
                 let node = &bvh.nodes[code as usize];
-                let bits = boxes(node, &boxed, ray.t_max).0.bits();
+                let bits = boxes(node, &prepared, ray.t_max).0.bits();
                 U32x8::load(&node.child).pack(bits).store(&mut self.codes[top..]);
                 top += bits.count_ones() as usize;
             }
@@ -120,7 +121,7 @@ impl Single {
 
     /// Pushes the children that the ray meets, the nearest on top, and returns how many.
     #[inline(always)]
-    fn push(&mut self, node: &Node, ray: &BoxRay, t_max: f32, top: usize) -> usize {
+    fn push(&mut self, node: &Node, ray: &Prepared, t_max: f32, top: usize) -> usize {
         let (mask, near) = boxes(node, ray, t_max);
         let sorted = sort(keys(mask, near));
         sorted.store(&mut self.keys[top..]);

@@ -2,7 +2,7 @@
 
 use super::Hit;
 use super::layout::Leaf;
-use super::ray::ShearRay;
+use super::ray::{AXES, Prepared};
 use crate::lanes::{F32x8, Lanes, Mask};
 
 /// Edge functions and distance of lanes of triangles.
@@ -18,13 +18,14 @@ struct Edges<L> {
 /// Corner relative to the ray, sheared: two coordinates across the ray, one along it. The same corner gives the same
 /// numbers in every triangle, and the edge function below is exactly antisymmetric: so no ray slips between neighbours.
 #[inline(always)]
-fn shear<L: Lanes>(ray: &ShearRay, corner: impl Fn(usize) -> L) -> [L; 3] {
-    let [x, y, z] = ray.axis.map(|axis| corner(axis) - L::splat(ray.origin[axis]));
+fn shear<L: Lanes>(ray: &Prepared, corner: impl Fn(usize) -> L) -> [L; 3] {
+    let axes = AXES[(ray.permutation & 7) as usize];
+    let [x, y, z] = std::array::from_fn(|k| corner(axes[k]) - L::splat(ray.origin[k]));
     [L::splat(-ray.shear[0]).mul_add(z, x), L::splat(-ray.shear[1]).mul_add(z, y), z * L::splat(ray.shear[2])]
 }
 
 #[inline(always)]
-fn edges<L: Lanes>(ray: &ShearRay, corner: impl Fn(usize, usize) -> L) -> Edges<L> {
+fn edges<L: Lanes>(ray: &Prepared, corner: impl Fn(usize, usize) -> L) -> Edges<L> {
     let a = shear(ray, |axis| corner(0, axis));
     let b = shear(ray, |axis| corner(1, axis));
     let c = shear(ray, |axis| corner(2, axis));
@@ -63,7 +64,7 @@ fn resolve<L: Lanes>(e: Edges<L>) -> Edges<L> {
 }
 
 #[inline(always)]
-fn test<L: Lanes>(ray: &ShearRay, t_max: f32, corner: impl Fn(usize, usize) -> L) -> (L::Mask, L, L, L) {
+fn test<L: Lanes>(ray: &Prepared, t_max: f32, corner: impl Fn(usize, usize) -> L) -> (L::Mask, L, L, L) {
     let mut e = edges(ray, corner);
     let zero = L::splat(0.0);
     if (e.u.eq(zero) | e.v.eq(zero) | e.w.eq(zero)).any() {
@@ -75,7 +76,7 @@ fn test<L: Lanes>(ray: &ShearRay, t_max: f32, corner: impl Fn(usize, usize) -> L
 /// Takes the nearer of `hit` and what the ray hits in the leaf, of equally near triangles the smaller id; tells whether
 /// it took anything.
 #[inline(always)]
-pub(super) fn closest_in_leaf(leaf: &Leaf, ray: &ShearRay, hit: &mut Hit) -> bool {
+pub(super) fn closest_in_leaf(leaf: &Leaf, ray: &Prepared, hit: &mut Hit) -> bool {
     let (mask, t, u, v) = test::<F32x8>(ray, hit.t, |k, axis| F32x8::load(&leaf.corner[k][axis]));
     if mask.bits() == 0 {
         return false;
@@ -93,13 +94,13 @@ pub(super) fn closest_in_leaf(leaf: &Leaf, ray: &ShearRay, hit: &mut Hit) -> boo
 
 /// Whether the ray hits anything in the leaf nearer than `t_max`.
 #[inline(always)]
-pub(super) fn any_in_leaf(leaf: &Leaf, ray: &ShearRay, t_max: f32) -> bool {
+pub(super) fn any_in_leaf(leaf: &Leaf, ray: &Prepared, t_max: f32) -> bool {
     let (mask, t, _, _) = test::<F32x8>(ray, t_max, |k, axis| F32x8::load(&leaf.corner[k][axis]));
     (mask & t.lt(F32x8::splat(t_max))).any()
 }
 
 /// The same test on one triangle, for brute force.
-pub(super) fn closest_of_one(corners: &[[f32; 3]; 3], id: u32, ray: &ShearRay, hit: &mut Hit) {
+pub(super) fn closest_of_one(corners: &[[f32; 3]; 3], id: u32, ray: &Prepared, hit: &mut Hit) {
     let (mask, t, u, v) = test::<f32>(ray, hit.t, |k, axis| corners[k][axis]);
     if mask && (t < hit.t || (t == hit.t && id < hit.triangle)) {
         *hit = Hit { t, u, v, triangle: id };

@@ -33,9 +33,8 @@ impl<L: Lanes> Vec3<L> {
     /// Three vectors from a row of nine numbers per lane.
     #[inline(always)]
     pub fn triple<'a>(row: impl Fn(usize) -> &'a [[f32; 3]; 3]) -> [Self; 3] {
-        let [ax, ay, az, bx, by, bz, cx, cy] = L::columns8(|i| {
-            row(i).as_flattened().first_chunk().expect("nine numbers hold eight")
-        });
+        let [ax, ay, az, bx, by, bz, cx, cy] =
+            L::columns8(|i| row(i).as_flattened().first_chunk().expect("nine numbers hold eight"));
         let cz = L::from_fn(|i| row(i)[2][2]);
         [Self::new(ax, ay, az), Self::new(bx, by, bz), Self::new(cx, cy, cz)]
     }

@@ -175,6 +175,11 @@ macro_rules! arithmetic {
 arithmetic!(Add add, Sub sub, Mul mul, Div div);
 
 impl F32x8 {
+    /// Lane i of row k becomes lane k of row i.
+    #[inline(always)]
+    pub fn transpose(rows: [Self; 8]) -> [Self; 8] {
+        f32x8::transpose(rows.map(|r| r.0)).map(Self)
+    }
     /// The smallest lane; no lane is NaN.
     #[inline(always)]
     pub fn min_lane(self) -> f32 {

@@ -7,7 +7,7 @@ use crate::material::{Kind, for_kind};
 use crate::sampling::Sampler;
 use crate::wave::{
     Context, Counts, HitRow, Job, Path, Samples, Shaded, background_radiance, camera_paths, emitted_radiance,
-    shade_rows, shadow_ray,
+    shade_rows, shadow_rays,
 };
 
 /// The reference integrator of one worker.
@@ -62,7 +62,7 @@ impl Reference {
             let Some(out) = out else { return };
             if out.connected {
                 counts.shadow += 1;
-                if !self.tracer.any(bvh, &shadow_ray(&out.shadow, 0)) {
+                if !self.tracer.any(bvh, &shadow_rays(out.shadow.origin, out.shadow.direction).into()) {
                     self.add(path.slot, out.shadow.radiance);
                 }
             }

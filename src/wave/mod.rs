@@ -13,7 +13,7 @@ mod route;
 mod shade;
 mod surface;
 
-pub use connect::shadow_ray;
+pub use connect::shadow_rays;
 pub use emit::emitted_radiance;
 pub use escape::background_radiance;
 pub use generate::camera_paths;
