@@ -12,7 +12,7 @@ impl LobeId {
     const ROW_BITS: u32 = 28;
     /// Row `row` of the table of kind number `kind`; `None` where either is too large.
     pub fn new(kind: usize, row: usize) -> Option<Self> {
-        (kind < 16 && row < 1 << Self::ROW_BITS).then(|| Self((kind as u32) << Self::ROW_BITS | row as u32))
+        (kind < 16 && row < 1 << Self::ROW_BITS).then_some(Self((kind as u32) << Self::ROW_BITS | row as u32))
     }
     /// Number of the kind.
     #[inline(always)]

@@ -37,9 +37,9 @@ impl<'a> Plan<'a> {
             let shared: [f32; WIDTH] =
                 std::array::from_fn(|k| if k == 0 { f32::INFINITY } else { plan.split(n, k + 1).0 });
             let mut best = plan.leaf_cost(n).min(area * NODE_COST + shared[WIDTH - 1]);
-            for k in 0..WIDTH {
-                best = best.min(shared[k]);
-                plan.cost[n][k] = best;
+            for (cost, with_k) in plan.cost[n].iter_mut().zip(shared) {
+                best = best.min(with_k);
+                *cost = best;
             }
         }
         plan

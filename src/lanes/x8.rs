@@ -303,7 +303,8 @@ mod tests {
             let x = SPECIAL;
             let y: [f32; 8] = std::array::from_fn(|i| SPECIAL[(i + shift) % 8]);
             let (a, b) = (F32x8::load(&x), F32x8::load(&y));
-            let results: [(&str, [f32; 8], fn(f32, f32) -> f32); 10] = [
+            type Twin = fn(f32, f32) -> f32;
+            let results: [(&str, [f32; 8], Twin); 10] = [
                 ("add", (a + b).array(), |x, y| x + y),
                 ("sub", (a - b).array(), |x, y| x - y),
                 ("mul", (a * b).array(), |x, y| x * y),

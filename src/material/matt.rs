@@ -131,8 +131,8 @@ mod tests {
                 let u = numbers(i);
                 let v = numbers(i + 5000);
                 let (a, b) = (
-                    direction(f64::from(u[0]) * 89.0, f64::from(u[1]) * 6.28),
-                    direction(f64::from(v[0]) * 89.0, f64::from(v[1]) * 6.28),
+                    direction(f64::from(u[0]) * 89.0, f64::from(u[1]) * std::f64::consts::TAU),
+                    direction(f64::from(v[0]) * 89.0, f64::from(v[1]) * std::f64::consts::TAU),
                 );
                 let (k, l) = (params(m).k(a, b), params(m).k(b, a));
                 assert!((k - l).abs() <= 1e-3 * k, "mattness {m}: {k} {l}");

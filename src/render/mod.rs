@@ -186,6 +186,9 @@ impl Renderer {
         let plan = self.plan(settings)?;
         let cx = Context { world: &self.world, bvh: &self.bvh, plan: &plan, seed: settings.seed };
         let start = Instant::now();
+        if self.world.is_dark() {
+            return Ok(self.black(settings, start));
+        }
         let mut rendered = match (settings.sampler, settings.time_stages) {
             (SamplerKind::Xoshiro, false) => schedule::run::<Xoshiro, NoProbe>(&cx, settings, control),
             (SamplerKind::Xoshiro, true) => schedule::run::<Xoshiro, StageTimes>(&cx, settings, control),
@@ -194,5 +197,25 @@ impl Renderer {
         }?;
         rendered.time = start.elapsed();
         Ok(rendered)
+    }
+    /// Where nothing gives light, every sample is known to be black without a ray.
+    fn black(&self, settings: &Settings, start: Instant) -> Rendered {
+        let (width, height) = (self.world.width(), self.world.height());
+        let mut film = Film::new(width, height);
+        for y in 0..height {
+            for x in 0..width {
+                film.pixel_mut([x, y]).count = u64::from(settings.spp);
+            }
+        }
+        Rendered {
+            film,
+            counts: Counts::default(),
+            bad: Vec::new(),
+            time: start.elapsed(),
+            threads: 1,
+            stages: Vec::new(),
+            wave_bytes: 0,
+            partial: false,
+        }
     }
 }
