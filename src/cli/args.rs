@@ -22,6 +22,10 @@ Examples:
 Exit codes: 0 done; 1 the scene or a file is at fault; 2 the command line is; 130 interrupted (what was
 rendered so far is written).";
 
+const OUTPUT_HELP: &str = "\
+Image file, repeatable; its ending picks the format: .png, .ppm, .exr (float, linear), .hdr
+[default: a new PNG in this folder, named after the time]";
+
 /// Renders a scene by path tracing.
 #[derive(Debug, Parser)]
 #[command(
@@ -33,8 +37,7 @@ rendered so far is written).";
     disable_help_subcommand = true,
     arg_required_else_help = true,
     subcommand_help_heading = "Verbs",
-    subcommand_value_name = "VERB",
-    max_term_width = 100
+    subcommand_value_name = "VERB"
 )]
 pub struct Cli {
     /// What to do instead of rendering.
@@ -78,11 +81,9 @@ pub struct RenderArgs {
         allow_negative_numbers = true, help_heading = "Image")]
     pub spp_option: Option<u32>,
     /// Pixels across and down, in place of the camera's
-    #[arg(long, value_name = "WxH", value_parser = size, allow_negative_numbers = true, help_heading = "Image")]
+    #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true, help_heading = "Image")]
     pub size: Option<(u32, u32)>,
-    /// Image file, repeatable; the ending picks the format: .png, .ppm, .exr (float, linear), .hdr
-    /// [default: a new PNG in this folder, named after the time]
-    #[arg(short, long, value_name = "FILE", help_heading = "Image")]
+    #[arg(short, long, value_name = "FILE", help_heading = "Image", help = OUTPUT_HELP)]
     pub output: Vec<PathBuf>,
     /// Exposure of 8-bit images, in stops
     #[arg(long, value_name = "EV", default_value = "0", value_parser = exposure, allow_hyphen_values = true,
@@ -98,7 +99,7 @@ pub struct RenderArgs {
     /// Where random numbers come from
     #[arg(long, value_name = "SAMPLER", value_enum, default_value_t, help_heading = "Light transport")]
     pub sampler: Sampler,
-    /// Seed of the random numbers; the same seed gives the same image on any number of threads
+    /// Seed of the random numbers; the same seed gives the same image, on any number of threads
     #[arg(long, value_name = "N", default_value_t, allow_negative_numbers = true, help_heading = "Light transport")]
     pub seed: u64,
     /// Bounces at most [default: unlimited, ended by Russian roulette]

@@ -27,7 +27,7 @@ pub fn run(args: &CheckArgs) -> Result<Exit, Exit> {
         ("triangles", triangles(&world)),
         ("lights", lights(&world)),
         ("materials", materials(&world)),
-        ("bounds", world.bounds().map_or("none".to_owned(), |(lo, hi)| format!("{} to {}", point(lo), point(hi)))),
+        ("bounds", bounds(&world)),
     ];
     let rows: Vec<String> = rows.iter().map(|(name, text)| format!("  {name:<10} {text}")).collect();
     console.answer(format_args!("{}: no mistakes\n{}", args.scene.display(), rows.join("\n")))?;
@@ -36,6 +36,14 @@ pub fn run(args: &CheckArgs) -> Result<Exit, Exit> {
 
 fn point(p: impl Into<[f64; 3]>) -> String {
     format!("({})", p.into().map(short).join(", "))
+}
+
+fn bounds(world: &World) -> String {
+    let Some((lo, hi)) = world.bounds() else { return "none".to_owned() };
+    // What rounding has left of a zero is no news.
+    let least = 1e-6 * (hi - lo).max_element();
+    let [lo, hi] = [lo, hi].map(|corner| corner.to_array().map(|c| if c.abs() < least { 0.0 } else { c }));
+    format!("{} to {}", point(lo), point(hi))
 }
 
 /// Number of triangles, those that were dropped included.

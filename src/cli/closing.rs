@@ -61,7 +61,7 @@ fn oddities(run: &Run<'_>, console: &Console) {
     if let cut @ 1.. = rendered.counts.cut {
         let limit = settings.max_depth.unwrap_or(BOUNCE_LIMIT).min(BOUNCE_LIMIT);
         console.note(format_args!(
-            "{} cut after {}, with {:.2} % of the energy that left the camera",
+            "{} cut at {}; they carried {:.2} % of all throughput",
             counted(cut, "path"),
             counted(u64::from(limit), "bounce"),
             cut_share(rendered) * 100.0

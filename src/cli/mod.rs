@@ -15,7 +15,8 @@ mod stats;
 mod units;
 
 use args::{Cli, Verb};
-use clap::Parser;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{CommandFactory, Parser};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -40,11 +41,21 @@ impl From<Exit> for ExitCode {
 
 /// Understands the command line. Help, version and mistakes are printed.
 pub fn parse(args: impl IntoIterator<Item = OsString>) -> Result<Cli, Exit> {
-    Cli::try_parse_from(args).map_err(|error| {
+    Cli::try_parse_from(args).map_err(plain_error).map_err(|error| {
         // Where nobody listens any more there is nobody to tell.
         let _ = error.print();
         if error.use_stderr() { Exit::Usage } else { Exit::Done }
     })
+}
+
+/// A word too many after the scene counts as a verb in the wrong place, which nobody meant.
+fn plain_error(error: clap::Error) -> clap::Error {
+    match (error.kind(), error.get(ContextKind::InvalidSubcommand)) {
+        (ErrorKind::ArgumentConflict, Some(ContextValue::String(word))) => {
+            Cli::command().error(ErrorKind::UnknownArgument, format!("unexpected argument '{word}' found"))
+        }
+        _ => error,
+    }
 }
 
 /// Does what the command line asks for.

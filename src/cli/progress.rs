@@ -67,3 +67,20 @@ impl State {
         format!("{}samples/s, {}rays/s, {} left", si(samples), si(rays), rough_time(left))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_extrapolates_what_was_done_so_far() {
+        let state = |samples| State { samples, rays: samples, total: u64::MAX / 4, time: Duration::from_secs(2) };
+        assert_eq!((state(0).percent(), state(0).text()), (0, "starting".to_owned()));
+        let quarter = State { samples: 1_000_000, rays: 6_200_000, total: 4_000_000, time: Duration::from_secs(2) };
+        assert_eq!(quarter.percent(), 25);
+        assert_eq!(quarter.text(), "500 ksamples/s, 3.10 Mrays/s, 6 s left");
+        // No overflow, however much was asked for.
+        assert_eq!(state(u64::MAX / 4).percent(), 100);
+        assert!(state(1).text().ends_with("min left"), "{}", state(1).text());
+    }
+}

@@ -11,6 +11,9 @@ use wavetrace::lanes;
 use wavetrace::probe::StageRow;
 use wavetrace::render::{Rendered, Renderer, Settings};
 
+/// Samples that were not finite and are named one by one, at most.
+const MAX_NAMED: usize = 100;
+
 /// All that is known of a run.
 #[derive(Clone, Copy)]
 pub struct Run<'a> {
@@ -34,7 +37,8 @@ pub fn text(run: &Run<'_>) -> String {
 fn document(run: &Run<'_>) -> Value {
     let Run { args, settings, renderer, rendered, times } = *run;
     let (world, counts) = (renderer.world(), &rendered.counts);
-    let bad: Vec<Value> = rendered.bad.iter().map(|bad| json!({ "pixel": bad.pixel, "sample": bad.sample })).collect();
+    let bad = rendered.bad.iter().take(MAX_NAMED);
+    let bad: Vec<Value> = bad.map(|bad| json!({ "pixel": bad.pixel, "sample": bad.sample })).collect();
     json!({
         "version": env!("CARGO_PKG_VERSION"),
         "scene": args.scene.display().to_string(),
@@ -69,7 +73,8 @@ fn document(run: &Run<'_>) -> Value {
         "samples_per_s": rate(counts.camera, times.render),
         "cut_paths": counts.cut,
         "cut_throughput": cut_share(rendered),
-        "bad_samples": bad,
+        "bad_samples": rendered.bad.len(),
+        "first_bad_samples": bad,
         "stages": rendered.stages.iter().map(stage).collect::<Vec<_>>(),
         "bytes": {
             "world": world.bytes(),
