@@ -548,6 +548,12 @@ fn endless(folder: &Folder, args: &[&str]) -> (std::process::Child, BufReader<st
     (child, err)
 }
 
+/// Gives a render that has been announced the time to take up its first jobs: nothing outside tells when it has.
+#[cfg(unix)]
+fn settle() {
+    std::thread::sleep(std::time::Duration::from_millis(700));
+}
+
 #[cfg(unix)]
 fn signal(child: &std::process::Child, name: &str) {
     let pid = child.id().to_string();
@@ -560,7 +566,7 @@ fn an_interrupted_render_leaves_a_partial_image() {
     for name in ["-INT", "-TERM"] {
         let folder = Folder::new();
         let (mut child, mut err) = endless(&folder, &["-o", "a.png", "-o", "a.exr", "--stats", "s.json"]);
-        std::thread::sleep(std::time::Duration::from_millis(300));
+        settle();
         signal(&child, name);
         let mut rest = String::new();
         err.read_to_string(&mut rest).unwrap();
@@ -604,6 +610,7 @@ fn a_second_interruption_ends_at_once() {
     let mut child = folder.command(&["mirrors.json", "64000", "-o", "a.png"]).stderr(Stdio::piped()).spawn().unwrap();
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
     assert!(lines.any(|line| line.starts_with("rendering mirrors.json")));
+    settle();
     signal(&child, "-INT");
     assert!(lines.any(|line| line.starts_with("interrupted")), "the first interruption waits for the jobs under way");
     signal(&child, "-INT");
