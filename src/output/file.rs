@@ -1,7 +1,7 @@
 //! Safe writing: a file is there whole or not at all. The only file that names `tempfile`.
 
 use std::{
-    fs::OpenOptions,
+    fs::{OpenOptions, Permissions},
     io::{self, BufWriter, Cursor, Write},
     path::{Path, PathBuf},
 };
@@ -35,15 +35,29 @@ pub fn write(path: &Path, image: &Image, metadata: &Metadata, tone: &Tone) -> Re
         }
         Target::File { path: place, folder, permissions } => {
             let file = temporary(&folder).map_err(|error| failed(path, error))?;
-            if let Some(permissions) = permissions {
-                // A file system without permissions refuses this; the image matters more.
-                let _ = file.as_file().set_permissions(permissions);
-            }
             fill(&file, format, path, image, metadata, tone)?;
-            file.persist(&place).map_err(|error| failed(path, error.error))?;
-            Ok(())
+            replace(file, &place, permissions).map_err(|error| failed(path, error))
         }
     }
+}
+
+/// Writes text, such as figures as JSON, as [`write()`] writes images: the file is there whole or not at all. The
+/// ending is free.
+///
+/// # Errors
+/// [`Error::Output`] for an unusable target, [`Error::Io`] where the system refuses.
+pub fn write_text(path: &Path, text: &str) -> Result<()> {
+    let written = match Target::find(path)? {
+        Target::Stream => {
+            OpenOptions::new().write(true).open(path).and_then(|mut stream| stream.write_all(text.as_bytes()))
+        }
+        Target::File { path: place, folder, permissions } => temporary(&folder).and_then(|file| {
+            file.as_file().write_all(text.as_bytes())?;
+            file.as_file().sync_all()?;
+            replace(file, &place, permissions)
+        }),
+    };
+    written.map_err(|error| failed(path, error))
 }
 
 /// Writes an image to each path in turn with [`write()`]; one failure does not keep the others from being written.
@@ -81,9 +95,21 @@ pub fn write_new(dir: &Path, name: &str, image: &Image, metadata: &Metadata, ton
 /// # Errors
 /// [`Error::Output`] or [`Error::Io`], as [`write()`].
 pub fn check_writable(path: &Path) -> Result<()> {
-    match Target::with_format(path)?.0 {
+    check_target(path, &Target::with_format(path)?.0)
+}
+
+/// Finds out whether [`write_text`] would be able to write to `path`. Leaves everything as it is.
+///
+/// # Errors
+/// [`Error::Output`] or [`Error::Io`], as [`write_text`].
+pub fn check_writable_text(path: &Path) -> Result<()> {
+    check_target(path, &Target::find(path)?)
+}
+
+fn check_target(path: &Path, target: &Target) -> Result<()> {
+    match target {
         Target::Stream => Ok(()),
-        Target::File { folder, .. } => temporary(&folder).map(drop).map_err(|error| failed(path, error)),
+        Target::File { folder, .. } => temporary(folder).map(drop).map_err(|error| failed(path, error)),
     }
 }
 
@@ -100,6 +126,15 @@ fn check_image(path: &Path, image: &Image, tone: &Tone) -> Result<()> {
 fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
     let create = |path: &Path| OpenOptions::new().write(true).create_new(true).open(path);
     Builder::new().prefix(".wavetrace-").suffix(".tmp").make_in(folder, create)
+}
+
+/// Puts a complete file into its place, with the permissions of the one that was there.
+fn replace(file: NamedTempFile, place: &Path, permissions: Option<Permissions>) -> io::Result<()> {
+    if let Some(permissions) = permissions {
+        // A file system without permissions refuses this; what is in the file matters more.
+        let _ = file.as_file().set_permissions(permissions);
+    }
+    file.persist(place).map(drop).map_err(|error| error.error)
 }
 
 /// Writes the image into `file` and waits until it is on the disk: some systems report a full disk only then.

@@ -15,7 +15,7 @@ mod ppm;
 mod target;
 mod tone;
 
-pub use file::{check_writable, write, write_all, write_new};
+pub use file::{check_writable, check_writable_text, write, write_all, write_new, write_text};
 pub use format::Format;
 pub use image::Image;
 pub use metadata::{Metadata, PARTIAL};

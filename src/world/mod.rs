@@ -10,7 +10,7 @@ use crate::camera::{Camera, View};
 use crate::error::Result;
 use crate::ids::LobeId;
 use crate::light::Lights;
-use crate::material::Materials;
+use crate::material::{Kind, Materials};
 use glam::DVec3;
 
 /// Collects the parts of a scene; [`WorldBuilder::build`] checks them and freezes them into a [`World`].
@@ -128,6 +128,20 @@ impl World {
     /// Whether nothing in the scene gives light, so that every image of it is black.
     pub fn is_dark(&self) -> bool {
         self.lights.is_empty() && self.background.is_none()
+    }
+    /// Whether radiance comes from outside everything.
+    pub fn has_background(&self) -> bool {
+        self.background.is_some()
+    }
+    /// Number of materials of a kind, used or not.
+    pub fn materials_of(&self, kind: Kind) -> usize {
+        self.materials.count(kind)
+    }
+    /// Smallest box that holds all triangles, in scene coordinates, as (min, max), to the rounding of f32.
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        let points = self.corners.iter().flatten().map(|p| DVec3::from(p.map(f64::from)));
+        let (lo, hi) = points.map(|p| (p, p)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
+        Some((lo / self.scale + self.centre, hi / self.scale + self.centre))
     }
     /// World coordinates are (scene point - centre) * scale; the scale is a power of two.
     pub fn placement(&self) -> (DVec3, f64) {

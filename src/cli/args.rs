@@ -1,0 +1,244 @@
+//! The table of verbs and options.
+
+use super::choices::{Integrator, Method, Sampler, ToneMap};
+use clap::{Args, Parser, Subcommand, value_parser};
+use std::path::PathBuf;
+use std::sync::LazyLock;
+use wavetrace::camera::Camera;
+use wavetrace::lanes;
+use wavetrace::output::Tone;
+use wavetrace::render::{DEFAULT_WAVE, MAX_THREADS, MAX_WAVE, Settings};
+
+static VERSION: LazyLock<String> = LazyLock::new(|| format!("{} (SIMD: {})", env!("CARGO_PKG_VERSION"), lanes::SIMD));
+
+const EXAMPLES: &str = "\
+Examples:
+  wavetrace scene.json                      a preview: one sample per pixel, named after the time
+  wavetrace scene.json 256 -o image.png     256 samples per pixel
+  wavetrace scene.json 64 -o a.exr -o a.png --size 1920x1080 --stats a.json
+  wavetrace check scene.json                are there mistakes, and what is in it?
+  wavetrace ./check                         a scene file that is called like a verb
+
+Exit codes: 0 done; 1 the scene or a file is at fault; 2 the command line is; 130 interrupted (what was
+rendered so far is written).";
+
+const OUTPUT_HELP: &str = "\
+Image file, repeatable; its ending picks the format: .png, .ppm, .exr (float, linear), .hdr
+[default: a new PNG in this folder, named after the time]";
+
+/// Renders a scene by path tracing.
+#[derive(Debug, Parser)]
+#[command(
+    name = "wavetrace",
+    version = VERSION.as_str(),
+    after_help = EXAMPLES,
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true,
+    disable_help_subcommand = true,
+    arg_required_else_help = true,
+    subcommand_help_heading = "Verbs",
+    subcommand_value_name = "VERB"
+)]
+pub struct Cli {
+    /// What to do instead of rendering.
+    #[command(subcommand)]
+    pub verb: Option<Verb>,
+    /// What to render, and how.
+    #[command(flatten)]
+    pub render: Option<RenderArgs>,
+}
+
+/// What the program does besides rendering.
+#[derive(Debug, Subcommand)]
+pub enum Verb {
+    /// Load a scene and its meshes; show all mistakes, or what is in it
+    Check(CheckArgs),
+}
+
+/// Arguments of `wavetrace check`.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// The scene
+    #[arg(value_name = "SCENE.json")]
+    pub scene: PathBuf,
+    /// Warnings become errors
+    #[arg(long)]
+    pub strict: bool,
+}
+
+/// Arguments of a render.
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    /// The scene
+    #[arg(value_name = "SCENE.json")]
+    pub scene: PathBuf,
+    /// Samples per pixel, as --spp
+    #[arg(value_name = "SPP", value_parser = value_parser!(u32).range(1..), allow_negative_numbers = true)]
+    pub spp: Option<u32>,
+
+    /// Samples per pixel [default: 1, a preview]
+    #[arg(long = "spp", value_name = "N", value_parser = value_parser!(u32).range(1..), conflicts_with = "spp",
+        allow_negative_numbers = true, help_heading = "Image")]
+    pub spp_option: Option<u32>,
+    /// Pixels across and down, in place of the camera's
+    #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true, help_heading = "Image")]
+    pub size: Option<(u32, u32)>,
+    #[arg(short, long, value_name = "FILE", help_heading = "Image", help = OUTPUT_HELP)]
+    pub output: Vec<PathBuf>,
+    /// Exposure of 8-bit images, in stops
+    #[arg(long, value_name = "EV", default_value = "0", value_parser = exposure, allow_hyphen_values = true,
+        help_heading = "Image")]
+    pub exposure: f32,
+    /// How 8-bit images show what is brighter than 1
+    #[arg(long, value_name = "MAP", value_enum, default_value_t, help_heading = "Image")]
+    pub tonemap: ToneMap,
+
+    /// How light is found
+    #[arg(long, value_name = "METHOD", value_enum, default_value_t, help_heading = "Light transport")]
+    pub method: Method,
+    /// Where random numbers come from
+    #[arg(long, value_name = "SAMPLER", value_enum, default_value_t, help_heading = "Light transport")]
+    pub sampler: Sampler,
+    /// Seed of the random numbers; the same seed gives the same image, on any number of threads
+    #[arg(long, value_name = "N", default_value_t, allow_negative_numbers = true, help_heading = "Light transport")]
+    pub seed: u64,
+    /// Bounces at most [default: unlimited, ended by Russian roulette]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = "Light transport")]
+    pub max_depth: Option<u32>,
+
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=MAX_THREADS as i64),
+        allow_negative_numbers = true, help_heading = "Machine")]
+    pub threads: Option<u32>,
+    /// Paths in flight per thread; changes the speed, not the image
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_WAVE as u32, allow_negative_numbers = true,
+        value_parser = value_parser!(u32).range(1..=MAX_WAVE as i64), help_heading = "Machine")]
+    pub wave: u32,
+    /// Which integrator runs
+    #[arg(long, value_name = "INTEGRATOR", value_enum, default_value_t, help_heading = "Machine")]
+    pub integrator: Integrator,
+
+    /// Write figures of the run: seconds, rays, stages, bytes
+    #[arg(long, value_name = "FILE.json", help_heading = "Messages")]
+    pub stats: Option<PathBuf>,
+    /// Show which stages this scene needs and which it leaves out; render nothing
+    #[arg(long, help_heading = "Messages")]
+    pub explain: bool,
+    /// No progress bar and no messages but errors
+    #[arg(short, long, help_heading = "Messages")]
+    pub quiet: bool,
+    /// Warnings become errors
+    #[arg(long, help_heading = "Messages")]
+    pub strict: bool,
+}
+
+impl RenderArgs {
+    /// Samples per pixel, where the user said how many.
+    pub fn given_spp(&self) -> Option<u32> {
+        self.spp.or(self.spp_option)
+    }
+    /// What to render with.
+    pub fn settings(&self) -> Settings {
+        Settings {
+            spp: self.given_spp().unwrap_or(1),
+            seed: self.seed,
+            threads: self.threads.unwrap_or(0) as usize,
+            max_depth: self.max_depth,
+            method: self.method.into(),
+            sampler: self.sampler.into(),
+            wave_size: self.wave as usize,
+            integrator: self.integrator.into(),
+            time_stages: self.stats.is_some(),
+        }
+    }
+    /// How 8-bit images show radiance.
+    pub fn tone(&self) -> Tone {
+        Tone { exposure_ev: self.exposure, map: self.tonemap.into() }
+    }
+}
+
+/// `WxH` within the limits of an image.
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse::<u64>().ok()?, h.parse::<u64>().ok()?)));
+    let (width, height) = sides.ok_or("expected width x height in pixels, such as 640x480")?;
+    let (side, pixels) = (Camera::MAX_SIDE, Camera::MAX_PIXELS);
+    let fits = |side_given| (1..=u64::from(side)).contains(&side_given);
+    match (u32::try_from(width), u32::try_from(height)) {
+        (Ok(w), Ok(h)) if fits(width) && fits(height) && width * height <= pixels => Ok((w, h)),
+        _ => Err(format!("expected 1 to {side} pixels each way and at most {pixels} in all")),
+    }
+}
+
+fn exposure(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(stops) if stops.is_finite() => Ok(stops),
+        _ => Err("expected a finite number of stops, such as -1.5".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_table_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn sizes() {
+        assert_eq!(size("640x480"), Ok((640, 480)));
+        assert_eq!(size("1X65536"), Ok((1, 65536)));
+        assert_eq!(size("16384x16384"), Ok((16384, 16384)));
+        for wrong in ["0x5", "5x0", "16384x16385", "65537x1", "18446744073709551616x1"] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+        for wrong in ["", "x", "5", "5x", "x5", "-1x5", "5x5x5", "5 x 5", "5.0x5", "1e3x5"] {
+            assert!(size(wrong).unwrap_err().contains("such as 640x480"), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn options_become_settings() {
+        let parse =
+            |args: &[&str]| Cli::try_parse_from([&["wavetrace", "a.json"], args].concat()).unwrap().render.unwrap();
+        assert_eq!(parse(&[]).settings(), Settings::default());
+        let args = parse(&[
+            "9",
+            "--seed",
+            "18446744073709551615",
+            "--threads",
+            "3",
+            "--max-depth",
+            "0",
+            "--method",
+            "nee",
+            "--sampler",
+            "sobol",
+            "--wave",
+            "64",
+            "--integrator",
+            "reference",
+            "--stats",
+            "s.json",
+            "--exposure",
+            "-1.5",
+            "--tonemap",
+            "max",
+        ]);
+        let expected = Settings {
+            spp: 9,
+            seed: u64::MAX,
+            threads: 3,
+            max_depth: Some(0),
+            method: wavetrace::wave::Method::Nee,
+            sampler: wavetrace::render::SamplerKind::Sobol,
+            wave_size: 64,
+            integrator: wavetrace::render::Integrator::Reference,
+            time_stages: true,
+        };
+        assert_eq!(args.settings(), expected);
+        assert_eq!(args.tone(), Tone { exposure_ev: -1.5, map: wavetrace::output::ToneMap::Max });
+    }
+}

@@ -1,0 +1,88 @@
+//! Options whose value is one of a few words. The words appear in `--help`, in `--stats` and in image files.
+
+use clap::ValueEnum;
+use wavetrace::{output, render, wave};
+
+/// Light transport, `--method`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Method {
+    /// BSDF sampling alone: light is found by chance
+    Path,
+    /// Next-event estimation alone; lobes that it cannot reach are still followed
+    Nee,
+    /// Both, combined by multiple importance sampling
+    #[default]
+    Mis,
+}
+
+/// Source of random numbers, `--sampler`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Sampler {
+    /// Independent streams
+    #[default]
+    Xoshiro,
+    /// Owen-scrambled Sobol points
+    Sobol,
+}
+
+/// Which integrator runs, `--integrator`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Integrator {
+    /// Waves of paths through batched SIMD stages
+    #[default]
+    Wavefront,
+    /// One path after the other: the same image, slowly
+    Reference,
+}
+
+/// What becomes of values above 1 in 8-bit images, `--tonemap`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ToneMap {
+    /// They become 1
+    #[default]
+    Clamp,
+    /// The image is divided by its largest component
+    Max,
+}
+
+/// The word that stands for a choice.
+pub fn word(choice: impl ValueEnum) -> String {
+    choice.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+}
+
+impl From<Method> for wave::Method {
+    fn from(method: Method) -> Self {
+        match method {
+            Method::Path => Self::Path,
+            Method::Nee => Self::Nee,
+            Method::Mis => Self::Mis,
+        }
+    }
+}
+
+impl From<Sampler> for render::SamplerKind {
+    fn from(sampler: Sampler) -> Self {
+        match sampler {
+            Sampler::Xoshiro => Self::Xoshiro,
+            Sampler::Sobol => Self::Sobol,
+        }
+    }
+}
+
+impl From<Integrator> for render::Integrator {
+    fn from(integrator: Integrator) -> Self {
+        match integrator {
+            Integrator::Wavefront => Self::Wavefront,
+            Integrator::Reference => Self::Reference,
+        }
+    }
+}
+
+impl From<ToneMap> for output::ToneMap {
+    fn from(map: ToneMap) -> Self {
+        match map {
+            ToneMap::Clamp => Self::Clamp,
+            ToneMap::Max => Self::Max,
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! The image files of a render: looked at before it, written after it.
+
+use super::Exit;
+use super::args::RenderArgs;
+use super::messages::Console;
+use std::env;
+use std::path::{Path, PathBuf};
+use wavetrace::error::{Error, Result as LibraryResult};
+use wavetrace::output::{self, Format, Image, Metadata, Tone};
+
+/// What came of writing.
+pub struct Written {
+    /// The files that are there now.
+    pub files: Vec<PathBuf>,
+    /// Whether each wanted file is among them.
+    pub complete: bool,
+}
+
+/// Finds out whether all files can be written, before the work is done; shows all that cannot.
+pub fn check(args: &RenderArgs, console: &Console) -> Result<(), Exit> {
+    let mut exit = None;
+    let mut wrong = |error: &Error, code: Exit| {
+        console.error(error);
+        // A mistake in the command line is the one to mend first.
+        exit = if exit == Some(Exit::Usage) { exit } else { Some(code) };
+    };
+    let unnamed = if args.output.is_empty() { output::check_writable(Path::new(&default_name())) } else { Ok(()) };
+    if let Err(error) = unnamed {
+        wrong(&error, Exit::Fault);
+    }
+    for path in &args.output {
+        if let Err(error) = output::check_writable(path) {
+            wrong(&error, if Format::from_path(path).is_err() { Exit::Usage } else { Exit::Fault });
+        }
+    }
+    if let Some(stats) = &args.stats {
+        if args.output.iter().chain([&args.scene]).any(|path| same_file(path, stats)) {
+            let reason = "found the scene or the image, expected a file of its own for --stats".to_owned();
+            wrong(&Error::Output { file: stats.clone(), reason }, Exit::Usage);
+        } else if let Err(error) = output::check_writable_text(stats) {
+            wrong(&error, Exit::Fault);
+        }
+    }
+    exit.map_or(Ok(()), Err)
+}
+
+/// Whether both paths lead to one file, as far as one can tell before it is there.
+fn same_file(a: &Path, b: &Path) -> bool {
+    a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b && a.is_file())
+}
+
+/// Writes the image to each file that the user named, or to a new one. One that fails does not keep the others from
+/// being written; if all do, the image goes to where it can.
+pub fn write(args: &RenderArgs, image: &Image, metadata: &Metadata, console: &Console) -> Written {
+    let (wanted, tone) = (&args.output, args.tone());
+    let mut written = Written { files: Vec::new(), complete: true };
+    let mut keep = |result: LibraryResult<PathBuf>| match result {
+        Ok(path) => written.files.push(path),
+        Err(error) => {
+            written.complete = false;
+            console.error(error);
+        }
+    };
+    if wanted.is_empty() {
+        keep(output::write_new(Path::new(""), &default_name(), image, metadata, &tone));
+    }
+    for (path, result) in wanted.iter().zip(output::write_all(wanted, image, metadata, &tone)) {
+        keep(result.map(|()| path.clone()));
+    }
+    if written.files.is_empty() {
+        rescue(args, image, metadata, &tone, console);
+    }
+    written
+}
+
+/// A finished image must not be lost because its file cannot be written.
+fn rescue(args: &RenderArgs, image: &Image, metadata: &Metadata, tone: &Tone, console: &Console) {
+    let format = args.output.first().and_then(|path| Format::from_path(path).ok());
+    let ending = match format {
+        Some(Format::Exr | Format::Hdr) => "exr",
+        _ => "png",
+    };
+    let name = Path::new(&default_name()).with_extension(ending);
+    for folder in [PathBuf::new(), env::temp_dir()] {
+        if let Ok(path) = output::write_new(&folder, &name.to_string_lossy(), image, metadata, tone) {
+            console.error(format_args!("{}: the image is here instead", path.display()));
+            return;
+        }
+    }
+}
+
+fn default_name() -> String {
+    output::default_name(output::local_now())
+}

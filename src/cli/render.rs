@@ -1,0 +1,113 @@
+//! The render: load, build, trace, write, and the figures of it all.
+
+use super::Exit;
+use super::args::RenderArgs;
+use super::choices::word;
+use super::closing;
+use super::interrupt::Interrupt;
+use super::load::load;
+use super::messages::Console;
+use super::outputs::{self, Written};
+use super::progress;
+use super::stats::{self, Run};
+use super::units::{counted, per_pixel};
+use std::sync::mpsc;
+use std::thread;
+use std::time::{Duration, Instant};
+use wavetrace::lanes;
+use wavetrace::output::{self, Metadata};
+use wavetrace::render::{Control, Rendered, Renderer, Settings};
+
+/// Seconds that each part of a run took.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Times {
+    /// Reading the scene and its meshes, and freezing the world.
+    pub load: Duration,
+    /// Building the tree.
+    pub build: Duration,
+    /// Tracing.
+    pub render: Duration,
+    /// Encoding and writing the images.
+    pub write: Duration,
+    /// All of it.
+    pub total: Duration,
+}
+
+/// Renders a scene to image files.
+pub fn run(args: &RenderArgs) -> Result<Exit, Exit> {
+    let start = Instant::now();
+    let console = Console::new(args.quiet, args.strict);
+    let interrupt = Interrupt::listen();
+    outputs::check(args, &console)?;
+
+    let scene = load(&args.scene, args.size, &console)?;
+    let mut times = Times { load: start.elapsed(), ..Times::default() };
+    let renderer = Renderer::new(scene.world);
+    times.build = start.elapsed() - times.load;
+
+    let settings = args.settings();
+    // From the announcement on, whoever interrupts gets an image.
+    let control = interrupt.start_render();
+    announce(args, &renderer, &settings, &console);
+    let rendered = trace(&renderer, &settings, control, &console)?;
+    times.render = rendered.time;
+
+    let write_start = Instant::now();
+    let metadata = metadata(args, &settings, &rendered);
+    let Written { files, complete } = outputs::write(args, &rendered.film.image(), &metadata, &console);
+    times.write = write_start.elapsed();
+    times.total = start.elapsed();
+
+    let run = Run { args, settings: &settings, renderer: &renderer, rendered: &rendered, times: &times };
+    let figured = args.stats.as_ref().map_or(Ok(()), |path| output::write_text(path, &stats::text(&run)));
+    closing::show(&run, &files, &console);
+    let figured = figured.map_err(|error| console.fail(&error));
+    if interrupt.happened() {
+        return Ok(Exit::Interrupted);
+    }
+    figured?;
+    console.settle()?;
+    Ok(if complete { Exit::Done } else { Exit::Fault })
+}
+
+fn announce(args: &RenderArgs, renderer: &Renderer, settings: &Settings, console: &Console) {
+    if let Some(remedy) = lanes::slower_than_machine() {
+        console.note(remedy);
+    }
+    let world = renderer.world();
+    console.line(format_args!(
+        "rendering {}: {}x{} pixels, {}, {}",
+        args.scene.display(),
+        world.width(),
+        world.height(),
+        per_pixel(settings.spp),
+        counted(world.triangles() as u64, "triangle"),
+    ));
+}
+
+/// Renders while another thread shows how far it is.
+fn trace(renderer: &Renderer, settings: &Settings, control: &Control, console: &Console) -> Result<Rendered, Exit> {
+    let world = renderer.world();
+    let samples = u64::from(world.width()) * u64::from(world.height()) * u64::from(settings.spp);
+    thread::scope(|scope| {
+        // Dropped at the end of this block, which is what the other thread waits for.
+        let (_rendering, done) = mpsc::channel();
+        if !console.is_quiet() {
+            scope.spawn(move || progress::watch(control, samples, &done));
+        }
+        renderer.render(settings, control).map_err(|error| console.fail(&error))
+    })
+}
+
+fn metadata(args: &RenderArgs, settings: &Settings, rendered: &Rendered) -> Metadata {
+    let entries = [
+        ("Software", format!("wavetrace {}", env!("CARGO_PKG_VERSION"))),
+        ("scene", args.scene.display().to_string()),
+        ("spp", settings.spp.to_string()),
+        ("seed", settings.seed.to_string()),
+        ("method", word(args.method)),
+        ("sampler", word(args.sampler)),
+        ("seconds_render", format!("{:.3}", rendered.time.as_secs_f64())),
+    ];
+    Metadata { entries: entries.map(|(key, value)| (key.to_owned(), value)).to_vec(), partial: rendered.partial }
+}

@@ -1,0 +1,117 @@
+//! `--stats`: the figures of a run as JSON.
+
+use super::args::RenderArgs;
+use super::choices::word;
+use super::render::Times;
+use super::units::rate;
+use serde_json::{Value, json};
+use std::fs;
+use std::time::Duration;
+use wavetrace::lanes;
+use wavetrace::probe::StageRow;
+use wavetrace::render::{Rendered, Renderer, Settings};
+
+/// Samples that were not finite and are named one by one, at most.
+const MAX_NAMED: usize = 100;
+
+/// All that is known of a run.
+#[derive(Clone, Copy)]
+pub struct Run<'a> {
+    /// What the user asked for.
+    pub args: &'a RenderArgs,
+    /// What it was rendered with.
+    pub settings: &'a Settings,
+    /// The scene.
+    pub renderer: &'a Renderer,
+    /// What it gave.
+    pub rendered: &'a Rendered,
+    /// How long it took.
+    pub times: &'a Times,
+}
+
+/// The figures as an indented JSON document.
+pub fn text(run: &Run<'_>) -> String {
+    format!("{:#}\n", document(run))
+}
+
+fn document(run: &Run<'_>) -> Value {
+    let Run { args, settings, renderer, rendered, times } = *run;
+    let (world, counts) = (renderer.world(), &rendered.counts);
+    let bad = rendered.bad.iter().take(MAX_NAMED);
+    let bad: Vec<Value> = bad.map(|bad| json!({ "pixel": bad.pixel, "sample": bad.sample })).collect();
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "scene": args.scene.display().to_string(),
+        "width": world.width(),
+        "height": world.height(),
+        "spp": settings.spp,
+        "threads": rendered.threads,
+        "seed": settings.seed,
+        "method": word(args.method),
+        "sampler": word(args.sampler),
+        "max_depth": settings.max_depth,
+        "integrator": word(args.integrator),
+        "wave": settings.wave_size,
+        "simd": lanes::SIMD,
+        "triangles": world.triangles(),
+        "dropped_triangles": world.dropped(),
+        "lights": world.lights(),
+        "seconds": {
+            "load": times.load.as_secs_f64(),
+            "build": times.build.as_secs_f64(),
+            "render": times.render.as_secs_f64(),
+            "write": times.write.as_secs_f64(),
+            "total": times.total.as_secs_f64(),
+        },
+        "rays": {
+            "camera": counts.camera,
+            "bounce": counts.bounce,
+            "shadow": counts.shadow,
+            "total": counts.rays(),
+        },
+        "mrays_per_s": rate(counts.rays(), times.render) / 1e6,
+        "samples_per_s": rate(counts.camera, times.render),
+        "cut_paths": counts.cut,
+        "cut_throughput": cut_share(rendered),
+        "bad_samples": rendered.bad.len(),
+        "first_bad_samples": bad,
+        "stages": rendered.stages.iter().map(stage).collect::<Vec<_>>(),
+        "bytes": {
+            "world": world.bytes(),
+            "bvh": renderer.bvh().bytes(),
+            "waves": rendered.wave_bytes,
+            "film": rendered.film.bytes(),
+            "peak_rss": peak_rss(),
+        },
+        "partial": rendered.partial,
+    })
+}
+
+fn stage(row: &StageRow) -> Value {
+    json!({
+        "name": row.stage.name(),
+        "calls": row.calls,
+        "items": row.items,
+        "seconds": row.time.as_secs_f64(),
+        "ns_per_item": ns_per_item(row.time, row.items),
+    })
+}
+
+fn ns_per_item(time: Duration, items: u64) -> f64 {
+    if items == 0 { 0.0 } else { time.as_secs_f64() * 1e9 / items as f64 }
+}
+
+/// Throughput of the paths that were cut, over that of all paths at the camera.
+pub fn cut_share(rendered: &Rendered) -> f64 {
+    match rendered.counts.camera {
+        0 => 0.0,
+        paths => rendered.counts.cut_throughput / paths as f64,
+    }
+}
+
+/// Most memory that the program has held, in bytes, where the system tells.
+fn peak_rss() -> Option<u64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?.checked_mul(1024)
+}
