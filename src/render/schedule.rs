@@ -8,14 +8,11 @@ use crate::error::{Error, Result};
 use crate::film::{BadSample, Film, Pixel};
 use crate::probe::{Probe, Stage, StageRow};
 use crate::sampling::Sampler;
-use crate::wave::{Context, Counts, Job, TILE, Wave};
+use crate::wave::{Context, Counts, Grid, Job, Wave};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
-
-/// Samples per pixel of a job: enough that a wave is filled many times, few enough that its samples stay in cache.
-const SAMPLES_PER_JOB: u32 = 64;
 
 /// Sums of a job's pixels.
 struct JobSums {
@@ -71,8 +68,8 @@ pub(super) fn run<S: Sampler, P: Probe>(cx: &Context<'_>, settings: &Settings, c
         expected: format!("as many as the system can start ({e})"),
     })?;
     let size = [cx.world.width(), cx.world.height()];
-    let tiles = (size[0].div_ceil(TILE) * size[1].div_ceil(TILE)) as usize;
-    let passes = settings.spp.div_ceil(SAMPLES_PER_JOB);
+    let grid = Grid::new(size, settings.spp);
+    let (tiles, passes) = (grid.tiles(), grid.passes());
     let jobs = tiles * passes as usize;
     let next = AtomicUsize::new(0);
     let merge = Mutex::new(Merge {
@@ -92,8 +89,7 @@ pub(super) fn run<S: Sampler, P: Probe>(cx: &Context<'_>, settings: &Settings, c
                 break;
             }
             let (tile, pass) = (number % tiles, (number / tiles) as u32);
-            let first = pass * SAMPLES_PER_JOB;
-            let job = Job::new(tile, size, first, SAMPLES_PER_JOB.min(settings.spp - first));
+            let job = grid.job(tile, pass);
             let before = counts.rays();
             let samples = match &mut wave {
                 Some(wave) => wave.run(cx, &job, &mut probe, &mut counts),

@@ -1,7 +1,51 @@
 //! A job: some samples of the pixels of a tile. Jobs depend on the image alone, never on the number of threads.
 
-/// Pixels of a tile across and down.
-pub const TILE: u32 = 16;
+/// How an image is cut into jobs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    size: [u32; 2],
+    spp: u32,
+    /// Pixels of a tile across and down.
+    side: u32,
+}
+
+impl Grid {
+    /// Samples per pixel of a job at most: their radiance stays in cache.
+    const SAMPLES: u32 = 64;
+    /// Paths of a job, if the image allows: enough to fill a wave.
+    const PATHS: u32 = 4096;
+
+    /// Cuts an image of `width` x `height` pixels and `spp` samples per pixel.
+    pub fn new(size: [u32; 2], spp: u32) -> Self {
+        let samples = spp.clamp(1, Self::SAMPLES);
+        let side = [16, 32, 64].into_iter().find(|s| s * s * samples >= Self::PATHS).unwrap_or(64);
+        Self { size, spp, side }
+    }
+    /// Number of tiles.
+    pub fn tiles(&self) -> usize {
+        self.size[0].div_ceil(self.side) as usize * self.size[1].div_ceil(self.side) as usize
+    }
+    /// How often each tile is visited.
+    pub fn passes(&self) -> u32 {
+        self.spp.div_ceil(Self::SAMPLES)
+    }
+    /// The job of a tile and pass.
+    pub fn job(&self, tile: usize, pass: u32) -> Job {
+        let ([width, height], side) = (self.size, self.side);
+        let across = width.div_ceil(side) as usize;
+        let (x0, y0) = ((tile % across) as u32 * side, (tile / across) as u32 * side);
+        // Blocks of 4 x 2 fill the lanes with neighbours.
+        let pixels = (0..side * side)
+            .map(|i| {
+                let (block, within) = (i / 8, i % 8);
+                [x0 + block % (side / 4) * 4 + within % 4, y0 + block / (side / 4) * 2 + within / 4]
+            })
+            .filter(|&[x, y]| x < width && y < height)
+            .collect();
+        let first_sample = pass * Self::SAMPLES;
+        Job { tile, pixels, width, first_sample, samples: Self::SAMPLES.min(self.spp - first_sample) }
+    }
+}
 
 /// Some samples of a tile's pixels, for one worker.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,20 +63,6 @@ pub struct Job {
 }
 
 impl Job {
-    /// Samples of tile number `tile` of an image of `width` x `height` pixels.
-    pub fn new(tile: usize, [width, height]: [u32; 2], first_sample: u32, samples: u32) -> Self {
-        let across = width.div_ceil(TILE);
-        let (x0, y0) = (tile as u32 % across * TILE, tile as u32 / across * TILE);
-        // Blocks of 4 x 2 fill the lanes with neighbours.
-        let pixels = (0..TILE * TILE)
-            .map(|i| {
-                let (block, within) = (i / 8, i % 8);
-                [x0 + block % (TILE / 4) * 4 + within % 4, y0 + block / (TILE / 4) * 2 + within / 4]
-            })
-            .filter(|&[x, y]| x < width && y < height)
-            .collect();
-        Self { tile, pixels, width, first_sample, samples }
-    }
     /// Number of paths.
     pub fn paths(&self) -> usize {
         self.pixels.len() * self.samples as usize
@@ -49,17 +79,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tiles_cover_the_image_once() {
-        let size = [37, 21];
-        let mut seen = vec![0; 37 * 21];
-        for tile in 0..3 * 2 {
-            let job = Job::new(tile, size, 0, 2);
-            for slot in 0..job.paths() {
-                let ([x, y], sample) = job.place(slot);
-                assert!(sample < 2);
-                seen[(y * 37 + x) as usize] += 1;
+    fn jobs_cover_all_samples_once() {
+        for spp in [1, 5, 64, 130] {
+            let grid = Grid::new([77, 41], spp);
+            let mut seen = vec![0u32; 77 * 41];
+            for (tile, pass) in (0..grid.tiles()).flat_map(|t| (0..grid.passes()).map(move |p| (t, p))) {
+                let job = grid.job(tile, pass);
+                for slot in 0..job.paths() {
+                    let ([x, y], sample) = job.place(slot);
+                    assert_eq!(seen[(y * 77 + x) as usize], sample, "samples of a pixel come in order");
+                    seen[(y * 77 + x) as usize] += 1;
+                }
             }
+            assert!(seen.iter().all(|&n| n == spp));
         }
-        assert!(seen.iter().all(|&n| n == 2));
     }
 }

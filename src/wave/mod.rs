@@ -17,7 +17,7 @@ pub use connect::shadow_rays;
 pub use emit::emitted_radiance;
 pub use escape::background_radiance;
 pub use generate::camera_paths;
-pub use job::{Job, TILE};
+pub use job::{Grid, Job};
 pub use plan::{BOUNCE_LIMIT, Method, Plan, PrevPdf};
 pub use queues::{HitRow, Path, Queues};
 pub use shade::{Shaded, shade_rows};
@@ -138,7 +138,8 @@ impl<S: Sampler> Wave<S> {
         let mut next = 0;
         loop {
             let before = q.paths.len();
-            let made = probe.stage(Stage::Generate, plan.wave_size - before, || {
+            let free = (plan.wave_size - before).min(job.paths() - next);
+            let made = probe.stage(Stage::Generate, free, || {
                 generate::generate::<S>(q, &world.view, seed, job, next, plan.wave_size)
             });
             next += made;
