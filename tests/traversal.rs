@@ -1,0 +1,327 @@
+//! The tree finds what trying every triangle finds, to the last bit, and closed meshes have no gaps. Nothing here is
+//! statistical: one ray that differs fails.
+
+mod common;
+
+use common::full;
+use common::meshes::{Soup, cuboid, example, inverted, join, patch, soup, sphere, v};
+use common::random::Random;
+use wavetrace::accel::{Bvh, Hit, Many, Ray, Single, brute_force, from_slice};
+
+fn cloud(random: &mut Random, count: usize, size: f32) -> Soup {
+    let mut point = |at: [f32; 3], r: f32| at.map(|c| c + random.within(-r, r));
+    (0..count)
+        .map(|_| {
+            let p = point([0.0; 3], 1.0);
+            [p, point(p, size), point(p, size)]
+        })
+        .collect()
+}
+
+fn cases() -> Vec<(&'static str, Soup)> {
+    let mut random = Random(1);
+    let one = vec![[[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.0, 0.5, 0.1]]];
+    let two = soup(&patch(0.0, 0.0, 0.0, 1.0, 1.0));
+    let slivers = (0..500)
+        .map(|i| {
+            let y = (i as f32 - 250.0) / 250.0;
+            [[-1.0, y, 0.0], [1.0, y + 1e-7, 1e-6 * y], [1.0, y, 0.3 * y]]
+        })
+        .collect();
+    let mut duplicates = cloud(&mut random, 200, 0.3);
+    duplicates.extend(duplicates.clone());
+    let mixed: Soup = (0..12)
+        .flat_map(|k| {
+            let size = 0.5f32.powi(k);
+            cloud(&mut random, 50, size).into_iter().map(move |t| t.map(|p| p.map(|c| c * size)))
+        })
+        .collect();
+    let cross = join(&[
+        patch(0.0, 0.0, 0.0, 1.0, 1.0),
+        cuboid(v(-1.0, 0.0, 0.0), v(0.0, 1.0, 1.0)),
+        cuboid(v(0.0, -1.0, -1.0), v(1.0, 0.0, 0.0)),
+    ]);
+    vec![
+        ("nothing", Vec::new()),
+        ("one triangle", one.clone()),
+        ("two triangles", two.clone()),
+        ("1000 times the same triangle", one.repeat(1000)),
+        ("duplicates", duplicates),
+        ("slivers", slivers),
+        ("boxes that meet in planes and corners", soup(&cross)),
+        // Planes at exactly 0, where nothing relative to a coordinate has any width.
+        ("box above the origin", soup(&cuboid(v(0.0, 0.0, 0.0), v(1.0, 1.0, 1.0)))),
+        ("box below the origin", soup(&cuboid(v(-1.0, -1.0, -1.0), v(0.0, 0.0, 0.0)))),
+        ("all scales", mixed),
+        ("box.obj", soup(&example("box"))),
+        ("fan.obj", soup(&example("fan"))),
+        ("sphere", soup(&sphere(v(0.0, 0.0, 0.0), 1.0, 3, false))),
+        ("rabbit.obj", soup(&example("rabbit"))),
+        ("cloud", cloud(&mut random, 3000, 0.1)),
+    ]
+}
+
+fn bounds(corners: &Soup) -> ([f32; 3], [f32; 3]) {
+    let all = || corners.iter().flatten();
+    let fold = |a: usize, start: f32, f: fn(f32, f32) -> f32| all().map(|p| p[a]).fold(start, f);
+    if corners.is_empty() {
+        return ([-1.0; 3], [1.0; 3]);
+    }
+    (
+        std::array::from_fn(|a| fold(a, f32::INFINITY, f32::min)),
+        std::array::from_fn(|a| fold(a, f32::NEG_INFINITY, f32::max)),
+    )
+}
+
+fn combine(t: &[[f32; 3]; 3], u: f32, v: f32) -> [f32; 3] {
+    std::array::from_fn(|a| t[0][a] + (t[1][a] - t[0][a]) * u + (t[2][a] - t[0][a]) * v)
+}
+
+/// A ray of kind `kind` below [`KINDS`]: random, or aimed where rounding hurts.
+fn ray(random: &mut Random, corners: &Soup, (lo, hi): &([f32; 3], [f32; 3]), kind: usize) -> Ray {
+    let triangle = if corners.is_empty() { [[0.0; 3]; 3] } else { corners[random.below(corners.len())] };
+    let around = |random: &mut Random, grow: f32| {
+        std::array::from_fn::<f32, 3, _>(|a| {
+            let (mid, half) = (0.5 * (lo[a] + hi[a]), 0.5 * (hi[a] - lo[a]).max(1e-3));
+            mid + random.within(-1.0, 1.0) * half * grow
+        })
+    };
+    let toward = |from: [f32; 3], to: [f32; 3]| std::array::from_fn::<f32, 3, _>(|a| to[a] - from[a]);
+    let corner = random.pick(&triangle);
+    let on_edge = {
+        let (s, edge) = (random.unit(), random.below(3));
+        let (p, q) = (triangle[edge], triangle[(edge + 1) % 3]);
+        std::array::from_fn::<f32, 3, _>(|a| p[a] + (q[a] - p[a]) * s)
+    };
+    let mut axis_parallel = |rest: f32| {
+        let axis = random.below(3);
+        let mut d = [random.pick(&[rest, -rest]), random.pick(&[rest, -rest]), random.pick(&[rest, -rest])];
+        d[axis] = random.pick(&[1.0, -1.0, 0.3, -40.0]);
+        d
+    };
+    let parallel = axis_parallel(0.0);
+    let nearly = axis_parallel(1e-30);
+    let (mut origin, mut direction) = match kind {
+        0 => (around(random, 2.0), random.direction()),
+        1 => {
+            let from = around(random, 3.0);
+            (from, toward(from, corner))
+        }
+        2 => {
+            let from = around(random, 3.0);
+            (from, toward(from, on_edge))
+        }
+        3 => (around(random, 1.5), parallel),
+        4 => (around(random, 1.5), nearly),
+        // On the planes of boxes, all axes or some, along them or not.
+        5 => {
+            let (a, b) = (around(random, 1.5), random.bits());
+            let from = std::array::from_fn(|k| if b >> k & 1 == 1 { corner[k] } else { a[k] });
+            let free = random.direction();
+            (from, random.pick(&[parallel, nearly, free]))
+        }
+        // In the plane of a triangle.
+        6 => {
+            let (p, q) = (random.within(-2.0, 2.0), random.within(-2.0, 2.0));
+            let from = combine(&triangle, p, q);
+            (from, toward(from, combine(&triangle, random.unit(), random.unit())))
+        }
+        // From far away.
+        7 => {
+            let d = random.direction();
+            let from = random.direction().map(|c| c * 1e4);
+            let to = random.pick(&[corner, on_edge, combine(&triangle, 0.3, 0.3), d]);
+            (from, toward(from, to))
+        }
+        // From a corner, or from an edge.
+        8 => {
+            let free = random.direction();
+            (random.pick(&[corner, on_edge]), random.pick(&[free, parallel, nearly]))
+        }
+        // At corners, along an axis, hitting them from outside.
+        9 => {
+            let axis = (0..3).find(|&a| parallel[a] != 0.0).unwrap();
+            let mut from = random.pick(&[corner, on_edge]);
+            from[axis] -= parallel[axis].signum() * 4.0;
+            (from, random.pick(&[parallel, nearly]))
+        }
+        // A rounding error above a triangle, away from it: where bounces begin.
+        10 => {
+            let at = combine(&triangle, 0.5 * random.unit(), 0.5 * random.unit());
+            let [a, b, c] = triangle.map(glam::Vec3::from);
+            let n = (b - a).cross(c - a).normalize_or_zero();
+            let away = glam::Vec3::from(random.direction());
+            let off = random.pick(&[1e-9, 1e-8, 1e-7, 1e-6]);
+            ((glam::Vec3::from(at) + n * off).to_array(), (away * away.dot(n).signum()).to_array())
+        }
+        _ => {
+            let from = around(random, 2.0);
+            (from, toward(from, combine(&triangle, 0.5 * random.unit(), 0.5 * random.unit())))
+        }
+    };
+    if direction == [0.0; 3] {
+        direction = [0.0, 0.0, 1.0];
+    }
+    if random.below(50) == 0 {
+        origin = origin.map(|c| if c.abs() < 1e-3 { 0.0 } else { c });
+    }
+    let t_max = match random.below(4) {
+        0 => random.within(0.0, 2.0),
+        1 => 1.0,
+        _ => f32::INFINITY,
+    };
+    Ray { origin, direction, t_max }
+}
+
+const KINDS: usize = 12;
+
+fn bits(hit: &Hit) -> (u32, u32, u32, u32) {
+    (hit.triangle, hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits())
+}
+
+/// Nearest hits of a batch, each told once.
+fn closest_of_many(many: &mut Many, bvh: &Bvh, rays: &[Ray]) -> Vec<Hit> {
+    let mut out = vec![None; rays.len()];
+    many.closest(bvh, rays.len(), from_slice(rays), |i, hit| assert!(out[i].replace(hit).is_none(), "ray {i} twice"));
+    out.into_iter().map(|hit| hit.expect("each ray has a result")).collect()
+}
+
+/// Whether each ray of a batch hits anything, each told once.
+fn any_of_many(many: &mut Many, bvh: &Bvh, rays: &[Ray]) -> Vec<bool> {
+    let mut out = vec![None; rays.len()];
+    many.any(bvh, rays.len(), from_slice(rays), |i, hit| assert!(out[i].replace(hit).is_none(), "ray {i} twice"));
+    out.into_iter().map(|hit| hit.expect("each ray has a result")).collect()
+}
+
+/// At most so many lines of a long list.
+fn some(lines: &[String]) -> String {
+    format!("{} in all\n{}", lines.len(), lines[..lines.len().min(12)].join("\n"))
+}
+
+#[test]
+fn hits_are_those_of_brute_force_to_the_last_bit() {
+    let mut wrong = Vec::new();
+    let (mut total, mut hits) = (0, 0);
+    for (number, (name, corners)) in cases().into_iter().enumerate() {
+        let mut random = Random(100 + number as u64);
+        // About the same time for each: trying every triangle is what costs.
+        let budget = if full() { 4_000_000_000 } else { 200_000_000 };
+        let count = (budget / corners.len().max(1)).clamp(2_000, 30_000);
+        let bounds = bounds(&corners);
+        let rays: Vec<Ray> = (0..count).map(|i| ray(&mut random, &corners, &bounds, i % KINDS)).collect();
+        let expected: Vec<Hit> = rays.iter().map(|r| brute_force(&corners, r)).collect();
+        let bvh = Bvh::build(&corners);
+        let (mut single, mut many) = (Single::new(&bvh), Many::new(&bvh));
+        let (batch, blocked) = (closest_of_many(&mut many, &bvh, &rays), any_of_many(&mut many, &bvh, &rays));
+        for (i, (r, e)) in rays.iter().zip(&expected).enumerate() {
+            let (one, of_many) = (single.closest(&bvh, r), batch[i]);
+            for (kernel, hit) in [("single", one), ("many", of_many)] {
+                if bits(&hit) != bits(e) {
+                    wrong.push(format!("{name}, {kernel}, kind {}: {r:?} gave {hit:?}, not {e:?}", i % KINDS));
+                }
+            }
+            // A segment is open at its end, so that what lies exactly there blocks nothing.
+            let blocks = e.is_some() && e.t < r.t_max;
+            for (kernel, any) in [("single any", single.any(&bvh, r)), ("many any", blocked[i])] {
+                if any != blocks {
+                    wrong.push(format!("{name}, {kernel}, kind {}: {r:?} gave {any}, but {e:?}", i % KINDS));
+                }
+            }
+            hits += usize::from(e.is_some());
+        }
+        total += count;
+    }
+    println!("{total} rays, {hits} hits");
+    assert!(total >= 100_000 && hits * 5 > total, "{total} rays, {hits} hits: too few to mean anything");
+    assert!(wrong.is_empty(), "{}", some(&wrong));
+}
+
+/// A ray that ends exactly at a triangle does not reach it: the end is not part of the segment.
+#[test]
+fn segments_are_open_at_both_ends() {
+    let corners = soup(&patch(0.0, 0.0, 1.0, 2.0, 2.0));
+    let bvh = Bvh::build(&corners);
+    let mut single = Single::new(&bvh);
+    let mut up = |z: f32, t_max| {
+        let ray = Ray { origin: [0.1, 0.2, z], direction: [0.0, 0.0, 1.0], t_max };
+        (single.closest(&bvh, &ray).is_some(), single.any(&bvh, &ray), brute_force(&corners, &ray).is_some())
+    };
+    assert_eq!(up(0.0, 1.0 + f32::EPSILON), (true, true, true));
+    assert_eq!(up(1.0, 1.0), (false, false, false), "a ray does not hit where it starts");
+    assert_eq!(up(0.0, 1.0), (false, false, false), "nor where it ends");
+}
+
+/// Rays from inside closed meshes towards points on edges, corners, and anywhere: all of them hit something.
+#[test]
+fn closed_meshes_have_no_gaps() {
+    let moved = |mut corners: Soup, by: [f32; 3]| {
+        corners.iter_mut().flatten().for_each(|p| *p = std::array::from_fn(|a| p[a] + by[a]));
+        corners
+    };
+    let ball = sphere(v(0.0, 0.0, 0.0), 1.0, 4, false);
+    let closed = [
+        ("rabbit", soup(&example("rabbit"))),
+        ("sphere", soup(&ball)),
+        ("sphere from outside in", soup(&inverted(ball.clone()))),
+        ("sphere far from the origin", moved(soup(&ball), [1000.0, -3000.0, 77.0])),
+        ("box", soup(&cuboid(v(-1.0, -0.5, 0.0), v(1.0, 0.5, 0.7)))),
+        ("box.obj", soup(&example("box"))),
+    ];
+    let (origins, per_origin) = (if full() { 20_000 } else { 1000 }, 200);
+    let (mut leaks, mut traced) = (Vec::new(), 0);
+    for (name, corners) in closed {
+        let bvh = Bvh::build(&corners);
+        let (mut single, mut many) = (Single::new(&bvh), Many::new(&bvh));
+        let mut random = Random(7);
+        let mut rays = Vec::with_capacity(per_origin);
+        for _ in 0..origins {
+            // Half-way along a ray that goes in from the middle of a triangle.
+            let t = random.pick(&corners);
+            let c = combine(&t, 1.0 / 3.0, 1.0 / 3.0);
+            let [a, b, d] = t.map(|p| glam::Vec3::from(p).as_dvec3());
+            let flip = if name.ends_with("outside in") { 1.0 } else { -1.0 };
+            let inward = ((b - a).cross(d - a).normalize() * flip).as_vec3();
+            let from = |distance: f32| (glam::Vec3::from(c) + inward * distance).to_array();
+            let nudge = 1e-5 * c.iter().fold(1.0f32, |m, x| m.max(x.abs()));
+            let start = Ray { origin: from(nudge), direction: inward.to_array(), t_max: f32::INFINITY };
+            let across = single.closest(&bvh, &start);
+            if !across.is_some() || across.t < 10.0 * nudge {
+                continue;
+            }
+            let origin = from(nudge + across.t * random.within(0.2, 0.8));
+            rays.clear();
+            for i in 0..per_origin {
+                let t = random.pick(&corners);
+                let target = match i % 4 {
+                    0 => random.pick(&t),
+                    3 => {
+                        let d = random.direction();
+                        std::array::from_fn(|a| origin[a] + d[a])
+                    }
+                    _ => {
+                        let (s, e) = (random.unit(), random.below(3));
+                        std::array::from_fn(|a| t[e][a] + (t[(e + 1) % 3][a] - t[e][a]) * s)
+                    }
+                };
+                let direction = std::array::from_fn(|a| target[a] - origin[a]);
+                if direction != [0.0; 3] {
+                    rays.push(Ray { origin, direction, t_max: f32::INFINITY });
+                }
+            }
+            traced += rays.len();
+            for (i, hit) in closest_of_many(&mut many, &bvh, &rays).iter().enumerate() {
+                if !hit.is_some() {
+                    leaks.push(format!("{name}, closest: {:?}", rays[i]));
+                }
+            }
+            for (i, hit) in any_of_many(&mut many, &bvh, &rays).iter().enumerate() {
+                if !hit {
+                    leaks.push(format!("{name}, any: {:?}", rays[i]));
+                }
+            }
+        }
+    }
+    println!("{traced} rays");
+    assert!(traced >= 1_000_000, "{traced} rays are too few");
+    assert!(leaks.is_empty(), "{}", some(&leaks));
+}
