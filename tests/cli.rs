@@ -599,7 +599,12 @@ fn mirror_box() -> String {
         wall([5, 0, 0], [0, 90]),
     ];
     let mirror = r#"{"type": "specular", "color": {"r": 1, "g": 1, "b": 1}}"#;
-    format!(r#"{{"camera": {CAMERA}, "materials": [{mirror}], "objects": [{}]}}"#, walls.join(", "))
+    // A background that no path reaches: a scene without any light would not be traced at all.
+    let background = r#"{"r": 1, "g": 1, "b": 1}"#;
+    format!(
+        r#"{{"camera": {CAMERA}, "background": {background}, "materials": [{mirror}], "objects": [{}]}}"#,
+        walls.join(", ")
+    )
 }
 
 #[cfg(unix)]
