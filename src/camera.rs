@@ -1,7 +1,7 @@
 //! The pinhole camera: from a pixel position to a ray.
 
 use crate::lanes::{Lanes, Vec3};
-use glam::DVec3;
+use crate::linear::DVec3;
 
 /// A pinhole camera, as the user states it.
 #[derive(Clone, Debug, PartialEq)]

@@ -11,6 +11,7 @@ use std::path::Path;
 const LAYERS: &[(&str, u32)] = &[
     ("lanes", 0),
     ("columns", 0),
+    ("linear", 0),
     ("ids", 0),
     ("error", 0),
     ("probe", 0),
@@ -36,11 +37,12 @@ const EXCEPTIONS: &[(&str, &str)] = &[];
 
 /// Finer than the layers: what each of these may use within its own layer or at all.
 const ONLY: &[(&str, &[&str])] =
-    &[("accel", &["lanes", "columns", "ids", "error", "probe"]), ("scene", &["error", "world", "camera"])];
+    &[("accel", &["lanes", "columns", "ids", "error", "probe"]), ("scene", &["error", "world", "camera", "linear"])];
 
 /// Libraries, and the only places that may name them.
 const LIBRARIES: &[(&str, &[&str])] = &[
     ("wide", &["lanes/"]),
+    ("glam", &["linear.rs"]),
     ("obvhs", &["accel/build.rs"]),
     ("tobj", &["scene/obj.rs"]),
     ("rayon", &["render/schedule.rs"]),

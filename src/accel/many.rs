@@ -196,7 +196,7 @@ impl Many {
             sorted.store(&mut self.keys[slot.top..]);
             child.permute(sorted).store(&mut self.codes[slot.top..]);
         }
-        slot.top += bits.count_ones() as usize - 1;
+        slot.top = slot.top + bits.count_ones() as usize - 1;
         slot.at = self.codes[slot.top];
         if slot.at == DONE {
             slot.top += 1;

@@ -7,7 +7,6 @@ mod exr;
 mod file;
 mod format;
 mod hdr;
-mod image;
 mod metadata;
 mod name;
 mod png;
@@ -15,9 +14,9 @@ mod ppm;
 mod target;
 mod tone;
 
+pub use crate::film::Image;
 pub use file::{check_writable, check_writable_text, write, write_all, write_new, write_text};
 pub use format::Format;
-pub use image::Image;
 pub use metadata::{Metadata, PARTIAL};
 pub use name::{LocalTime, default_name, local_now};
 pub use tone::{Tone, ToneMap};

@@ -1,6 +1,6 @@
 //! Reads the `camera` of a scene.
 
-use glam::DVec3;
+use crate::linear::DVec3;
 
 use super::fields::{self, Fields, Range};
 use super::json::Node;

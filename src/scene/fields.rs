@@ -1,6 +1,6 @@
 //! Typed readers of JSON values. Each notes its mistakes and gives `None`, so that the rest is read nonetheless.
 
-use glam::DVec3;
+use crate::linear::DVec3;
 
 use super::json::{self, Entry, Node, Value};
 use super::problems::Problems;

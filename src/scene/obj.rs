@@ -7,7 +7,7 @@
 use std::path::Path;
 use std::{fs, io};
 
-use glam::DVec3;
+use crate::linear::DVec3;
 
 use super::fields::fits_single;
 use super::obj_check::Flaw;

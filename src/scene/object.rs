@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
+use crate::linear::DVec3;
 
 use super::fields::{self, Fields, Range, fits_single};
 use super::json::Node;

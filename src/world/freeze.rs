@@ -5,9 +5,9 @@ use crate::camera::View;
 use crate::error::{Error, Result};
 use crate::ids::LobeId;
 use crate::light::{Emitter, Lights};
+use crate::linear::{DMat3, DVec3, Vec3};
 use crate::material::{Diffuse, Kind, Luminous, Materials, Matt, Specular, Table, Transparent};
 use crate::material::{DiffuseRow, MattRow, SpecularRow, TransparentRow};
-use glam::{DMat3, DVec3, Vec3};
 
 /// Triangles at most: ids leave room for marks.
 const MAX_TRIANGLES: usize = 1 << 30;

@@ -1,6 +1,6 @@
 //! What a user states of a scene, before it is frozen into columns: materials, meshes, objects.
 
-use glam::{DMat3, DVec3};
+use crate::linear::{DMat3, DVec3};
 
 /// A material, as the user states it. Colours are linear RGB in [0, 1].
 #[derive(Clone, Debug, PartialEq)]

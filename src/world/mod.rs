@@ -10,8 +10,8 @@ use crate::camera::{Camera, View};
 use crate::error::Result;
 use crate::ids::LobeId;
 use crate::light::Lights;
+use crate::linear::DVec3;
 use crate::material::{Kind, Materials};
-use glam::DVec3;
 
 /// Collects the parts of a scene; [`WorldBuilder::build`] checks them and freezes them into a [`World`].
 #[derive(Clone, Debug)]

@@ -14,7 +14,7 @@ pub struct Image {
 impl Image {
     /// What keeps this image from being written, if anything: no pixels, a side beyond the 2^31 - 1 that PNG and
     /// OpenEXR can state, or a pixel count that does not match the sides.
-    pub(super) fn flaw(&self) -> Option<String> {
+    pub(crate) fn flaw(&self) -> Option<String> {
         let (width, height) = (self.width, self.height);
         let side = 1..=i32::MAX as u32;
         if !side.contains(&width) || !side.contains(&height) {

@@ -1,6 +1,8 @@
 //! The film: per pixel the sum of its samples, the sum of their squares and their count, in f64.
 
-use crate::output::Image;
+mod image;
+
+pub use image::Image;
 
 /// A sample that was not a number or infinite: counted, kept out of the image, and named so that it can be replayed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
