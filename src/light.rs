@@ -1,6 +1,6 @@
 //! Lights: every luminous triangle is an emitter, two-sided, chosen by power and sampled by area.
 
-use crate::lanes::{Lanes, LanesU32, Vec3};
+use crate::lanes::{Lanes, LanesU32, Vec3, largest_coordinate};
 use crate::sampling::warp;
 
 /// A luminous triangle in world coordinates.
@@ -56,8 +56,8 @@ impl AliasTable {
 pub struct LightPoint<L: Lanes> {
     /// The point.
     pub point: Vec3<L>,
-    /// Sum of the corners' magnitudes weighted as the point is: what its rounding error is proportional to.
-    pub magnitude: Vec3<L>,
+    /// The largest coordinate of the light's triangle: what rounding errors on it are proportional to.
+    pub reach: L,
     /// Unit normal of the light's front side.
     pub normal: Vec3<L>,
     /// Emitted radiance, the same in all directions.
@@ -128,7 +128,7 @@ impl Lights {
         let t = L::splat(1.0) - v - w;
         LightPoint {
             point: a.mul_add(t, b.mul_add(v, c * w)),
-            magnitude: a.abs().mul_add(t.abs(), b.abs().mul_add(v, c.abs() * w)),
+            reach: largest_coordinate([a, b, c]),
             normal: Vec3::new(nx, ny, nz),
             radiance: Vec3::new(red, green, blue),
             pdf_area,

@@ -145,13 +145,14 @@ fn ray(random: &mut Random, corners: &Soup, (lo, hi): &([f32; 3], [f32; 3]), kin
             from[axis] -= parallel[axis].signum() * 4.0;
             (from, random.pick(&[parallel, nearly]))
         }
-        // A rounding error above a triangle, away from it: where bounces begin.
+        // As far off a triangle as bounces begin, or farther, and away from it.
         10 => {
             let at = combine(&triangle, 0.5 * random.unit(), 0.5 * random.unit());
             let [a, b, c] = triangle.map(glam::Vec3::from);
             let n = (b - a).cross(c - a).normalize_or_zero();
             let away = glam::Vec3::from(random.direction());
-            let off = random.pick(&[1e-9, 1e-8, 1e-7, 1e-6]);
+            let reach = triangle.iter().flatten().fold(0.0f32, |m, c| m.max(c.abs()));
+            let off = reach * 16.0 * f32::EPSILON * random.pick(&[1.0, 1.5, 10.0, 100.0]);
             ((glam::Vec3::from(at) + n * off).to_array(), (away * away.dot(n).signum()).to_array())
         }
         _ => {
@@ -198,10 +199,10 @@ fn some(lines: &[String]) -> String {
 
 /// Rays of these kinds, about as many as given, find the same by the tree, one at a time and in batches, as by trying
 /// every triangle.
-fn compare_with_brute_force(kinds: &[usize], least: usize) {
+fn compare_with_brute_force(kinds: &[usize], without: &[&str], least: usize) {
     let mut wrong = Vec::new();
     let (mut total, mut hits) = (0, 0);
-    for (number, (name, corners)) in cases().into_iter().enumerate() {
+    for (number, (name, corners)) in cases().into_iter().enumerate().filter(|(_, case)| !without.contains(&case.0)) {
         let mut random = Random(100 + number as u64);
         // About the same time for each: trying every triangle is what costs.
         let budget = if full() { 4_000_000_000 } else { 200_000_000 };
@@ -243,13 +244,15 @@ fn compare_with_brute_force(kinds: &[usize], least: usize) {
 
 #[test]
 fn hits_are_those_of_brute_force_to_the_last_bit() {
-    compare_with_brute_force(&[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 11], 100_000);
+    compare_with_brute_force(&[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 11], &[], 100_000);
 }
 
-/// Where bounces begin, and rounding could put a triangle on either side of the ray's start.
+/// Where bounces begin: far enough off a triangle that rounding puts no triangle on the wrong side of the ray's start.
+/// Not so for needles, whose distance in f32 is as uncertain as their extent over their area: left out here, they are
+/// among the cases above.
 #[test]
 fn hits_from_just_off_a_surface_are_those_of_brute_force() {
-    compare_with_brute_force(&[10], 100_000);
+    compare_with_brute_force(&[10], &["slivers"], 100_000);
 }
 
 /// A ray that ends exactly at a triangle does not reach it: the end is not part of the segment.

@@ -34,7 +34,7 @@ fn edges<L: Lanes>(ray: &Prepared, corner: impl Fn(usize, usize) -> L) -> Edges<
     Edges { u: edge(&c, &b), v: edge(&a, &c), w: edge(&b, &a), a, b, c }
 }
 
-/// (lanes hit in (0, `t_max`], t, u, v).
+/// (lanes hit in (0, `t_max`], t, u, v): the end is included for the sake of ties.
 #[inline(always)]
 fn finish<L: Lanes>(e: &Edges<L>, t_max: f32) -> (L::Mask, L, L, L) {
     let zero = L::splat(0.0);
@@ -85,7 +85,7 @@ pub(super) fn closest_in_leaf(leaf: &Leaf, ray: &Prepared, hit: &mut Hit) -> boo
     let t = F32x8::select(mask, t, F32x8::splat(f32::INFINITY));
     let nearest = t.min_lane();
     let i = (t.eq(F32x8::splat(nearest)).bits().trailing_zeros() & 7) as usize;
-    if nearest == hit.t && leaf.id[i] >= hit.triangle {
+    if nearest == hit.t && !(hit.is_some() && leaf.id[i] < hit.triangle) {
         return false;
     }
     *hit = Hit { t: nearest, u: u.array()[i], v: v.array()[i], triangle: leaf.id[i] };
@@ -102,7 +102,7 @@ pub(super) fn any_in_leaf(leaf: &Leaf, ray: &Prepared, t_max: f32) -> bool {
 /// The same test on one triangle, for brute force.
 pub(super) fn closest_of_one(corners: &[[f32; 3]; 3], id: u32, ray: &Prepared, hit: &mut Hit) {
     let (mask, t, u, v) = test::<f32>(ray, hit.t, |k, axis| corners[k][axis]);
-    if mask && (t < hit.t || (t == hit.t && id < hit.triangle)) {
+    if mask && (t < hit.t || (t == hit.t && hit.is_some() && id < hit.triangle)) {
         *hit = Hit { t, u, v, triangle: id };
     }
 }

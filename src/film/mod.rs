@@ -1,8 +1,8 @@
 //! The film: per pixel the sum of its samples, the sum of their squares and their count, in f64.
 
-mod image;
+mod picture;
 
-pub use image::Image;
+pub use picture::Image;
 
 /// A sample that was not a number or infinite: counted, kept out of the image, and named so that it can be replayed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

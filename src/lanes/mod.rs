@@ -9,7 +9,7 @@ mod vec3;
 mod x8;
 
 pub use math::{safe_sqrt, sin_cos_turns};
-pub use vec3::{Frame, Vec3, select3};
+pub use vec3::{Frame, Vec3, largest_coordinate, select3};
 pub use x8::{F32x8, U32x8};
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};

@@ -120,6 +120,14 @@ pub fn select3<L: Lanes>(mask: L::Mask, yes: Vec3<L>, no: Vec3<L>) -> Vec3<L> {
     Vec3::new(L::select(mask, yes.x, no.x), L::select(mask, yes.y, no.y), L::select(mask, yes.z, no.z))
 }
 
+/// The largest magnitude among the coordinates of three points.
+#[inline(always)]
+pub fn largest_coordinate<L: Lanes>([a, b, c]: [Vec3<L>; 3]) -> L {
+    let (a, b, c) = (a.abs(), b.abs(), c.abs());
+    let largest = |p: L, q: L, r: L| p.max(q).max(r);
+    largest(largest(a.x, b.x, c.x), largest(a.y, b.y, c.y), largest(a.z, b.z, c.z))
+}
+
 /// Right-handed orthonormal frame; its third axis is a given unit normal.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<L> {

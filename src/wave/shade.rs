@@ -88,7 +88,7 @@ where
         let toward = select3(cos_light.gt(zero), -light.normal, light.normal);
         let origin = surface.spawn(L::Mask::splat(false));
         // The way itself is rounded too, by its own length.
-        let end = off_surface(light.point, light.magnitude + way.abs(), toward);
+        let end = off_surface(light.point, light.reach + distance2.sqrt(), toward);
         shadow = Shadow { origin, direction: end - origin, radiance, slot: path.slot };
     }
 

@@ -1,7 +1,7 @@
 //! The point that a ray hit: position and its rounding error, normals, and the way off the surface.
 
 use super::queues::HitRow;
-use crate::lanes::{Lanes, LanesU32, Mask, Vec3, select3};
+use crate::lanes::{Lanes, LanesU32, Mask, Vec3, largest_coordinate, select3};
 use crate::world::World;
 
 /// A surface point as a path sees it.
@@ -9,8 +9,8 @@ use crate::world::World;
 pub struct Surface<L: Lanes> {
     /// Where it is.
     pub point: Vec3<L>,
-    /// What the rounding error of `point` is proportional to.
-    pub magnitude: Vec3<L>,
+    /// What the rounding errors at `point` are proportional to: the largest coordinate of the triangle.
+    pub reach: L,
     /// Unit geometric normal, on the side of the path.
     pub ng: Vec3<L>,
     /// Unit shading normal, on the side of the path: `ns . wo > 0`.
@@ -19,16 +19,18 @@ pub struct Surface<L: Lanes> {
     pub outside: L::Mask,
 }
 
-/// Relative error of an interpolated position and of the distance to its plane, with room: each coordinate takes a
-/// handful of roundings of 2^-24 (Higham 2002, section 3.1; the offset is that of Pharr et al. 2023, section 6.8).
-const POSITION_ERROR: f32 = 16.0 * 0.5 * f32::EPSILON;
+/// How far off a surface rays start, as a share of the triangle's largest coordinate. Two errors have to be passed: that
+/// of the interpolated position, 7 roundings of 2^-24 in each coordinate (Pharr et al. 2023, section 6.8), and that of the
+/// distance to the triangle's plane as the triangle test finds it, which grows with the triangle's extent, not with the
+/// point's own coordinates: 3 to 6 roundings of coordinates up to sqrt(3) times twice the largest. The sum is below 32.
+const POSITION_ERROR: f32 = 32.0 * 0.5 * f32::EPSILON;
 /// Interpolated normals are tilted until the path meets them at least at this cosine.
 const MIN_COS: f32 = 1e-3;
 
-/// Moves a point off its surface along the unit vector `n`, past its rounding error.
+/// Moves a point off its surface along the unit vector `n`, past the rounding errors of a triangle of reach `reach`.
 #[inline(always)]
-pub fn off_surface<L: Lanes>(point: Vec3<L>, magnitude: Vec3<L>, n: Vec3<L>) -> Vec3<L> {
-    n.mul_add(n.abs().dot(magnitude) * L::splat(POSITION_ERROR), point)
+pub fn off_surface<L: Lanes>(point: Vec3<L>, reach: L, n: Vec3<L>) -> Vec3<L> {
+    n.mul_add(reach * L::splat(POSITION_ERROR), point)
 }
 
 impl<L: Lanes> Surface<L> {
@@ -40,7 +42,6 @@ impl<L: Lanes> Surface<L> {
         let [a, b, c] = Vec3::triple(|i| &world.corners[id(i)]);
         let w = L::splat(1.0) - hit.u - hit.v;
         let point = a.mul_add(w, b.mul_add(hit.u, c * hit.v));
-        let magnitude = a.abs().mul_add(w.abs(), b.abs().mul_add(hit.u, c.abs() * hit.v));
         let front = (b - a).cross(c - a).normalize();
         let outside = front.dot(wo).gt(L::splat(0.0));
         let ng = select3(outside, front, -front);
@@ -52,13 +53,13 @@ impl<L: Lanes> Surface<L> {
                 facing(sum, ng, wo)
             }
         };
-        Self { point, magnitude, ng, ns, outside }
+        Self { point, reach: largest_coordinate([a, b, c]), ng, ns, outside }
     }
 
     /// Where a ray into direction `wi` starts, so that it does not hit the surface again.
     #[inline(always)]
     pub fn spawn(&self, through: L::Mask) -> Vec3<L> {
-        off_surface(self.point, self.magnitude, select3(through, -self.ng, self.ng))
+        off_surface(self.point, self.reach, select3(through, -self.ng, self.ng))
     }
 
     /// Mirrors `wi` in the surface where it lies on the wrong side of it. An interpolated normal sends some directions
