@@ -47,10 +47,10 @@ fn world() -> WorldBuilder {
     let satin = MaterialInput::Diffuse { color: [0.8, 0.25, 0.1], mattness: 0.3 };
     let gold = MaterialInput::Specular { color: [0.95, 0.75, 0.35] };
     let glass = MaterialInput::Transparent { color: [0.9, 1.0, 0.95], ref_index: 1.5 };
-    let lamp = MaterialInput::Luminous { radiance: [14.0, 12.0, 9.0] };
+    let lamp = MaterialInput::Luminous { radiance: [4.5, 4.0, 3.0] };
     let turned = |degrees| DVec3::new(0.0, 0.0, degrees);
     place(square, gray, Size::Scale(20.0), DVec3::ZERO, DVec3::ZERO);
-    place(square, lamp, Size::Scale(1.2), DVec3::new(180.0, 0.0, 0.0), DVec3::new(-1.0, -0.5, 3.0));
+    place(square, lamp, Size::Scale(2.5), DVec3::new(180.0, 0.0, 0.0), DVec3::new(-1.0, -0.5, 3.0));
     place(stone, satin, Size::Height(1.0), turned(20.0), DVec3::new(-1.2, 0.0, 0.5));
     place(stone, gold, Size::Height(1.2), turned(50.0), DVec3::new(0.0, 0.6, 0.6));
     place(stone, glass, Size::Height(1.0), turned(75.0), DVec3::new(1.2, 0.0, 0.5));

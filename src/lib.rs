@@ -30,7 +30,7 @@
 //! use wavetrace::{Camera, Control, DVec3, MaterialInput, Mesh, Object, Renderer, Settings, Size, WorldBuilder};
 //!
 //! # fn main() -> wavetrace::Result<()> {
-//! // A white floor under a white sky, seen from above.
+//! // A tilted floor under a white sky, seen from above.
 //! let mut world = WorldBuilder::new(Camera {
 //!     focal_point: DVec3::new(0.0, 0.0, 2.0),
 //!     direction: DVec3::new(0.0, 0.0, -1.0),
@@ -45,7 +45,7 @@
 //!     triangles: vec![[0, 1, 2]],
 //!     ..Mesh::default()
 //! });
-//! let (rotation, size, mid_point) = (DVec3::ZERO, Size::Scale(1.0), DVec3::ZERO);
+//! let (rotation, size, mid_point) = (DVec3::new(30.0, 0.0, 0.0), Size::Scale(1.0), DVec3::ZERO);
 //! world.object(Object { mesh, material, rotation, size, mid_point });
 //! world.background([2.0; 3]);
 //!
