@@ -116,7 +116,7 @@ pub(super) fn collapse(tree: &[BinaryNode], corners: &[[[f32; 3]; 3]]) -> Bvh {
     while let Some((n, parent, depth)) = todo.pop() {
         let index = bvh.nodes.len();
         if let Some((node, lane)) = parent {
-            bvh.nodes[node].child[lane] = index as u32;
+            bvh.nodes[node].set_child(lane, index as u32);
         }
         bvh.stack_bound = bvh.stack_bound.max((depth + 2) * WIDTH);
         roots.clear();
@@ -149,6 +149,7 @@ pub(super) fn collapse(tree: &[BinaryNode], corners: &[[[f32; 3]; 3]]) -> Bvh {
 mod tests {
     use super::super::build::binary_tree;
     use super::*;
+    use crate::lanes::{Lanes, LanesU32};
 
     /// Every triangle is reached, within its boxes, and no leaf or node is larger than its lanes.
     #[test]
@@ -166,11 +167,12 @@ mod tests {
             let mut todo: Vec<u32> = if bvh.nodes.is_empty() { vec![] } else { vec![0] };
             while let Some(n) = todo.pop() {
                 let node = &bvh.nodes[n as usize];
-                for lane in (0..8).filter(|&l| node.bounds[0][l] <= node.bounds[3][l]) {
-                    if node.child[lane] & LEAF == 0 {
-                        todo.push(node.child[lane]);
+                let (low, high, child) = (node.planes(0).array(), node.planes(3).array(), node.children().array());
+                for lane in (0..8).filter(|&l| low[l] <= high[l]) {
+                    if child[lane] & LEAF == 0 {
+                        todo.push(child[lane]);
                     } else {
-                        let leaf = &bvh.leaves[(node.child[lane] & !LEAF) as usize];
+                        let leaf = &bvh.leaves[(child[lane] & !LEAF) as usize];
                         leaf.id.iter().for_each(|&id| seen[id as usize] = true);
                     }
                 }

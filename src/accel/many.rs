@@ -8,7 +8,7 @@ use super::single::{boxes, distance, keys, sort};
 use super::triangle::{any_in_leaf, closest_in_leaf};
 use super::{Bvh, Hit, LEAF, Ray};
 use crate::columns::Rows;
-use crate::lanes::{F32x8, Lanes, LanesU32, MAX_LANES, Mask, U32x8, Vec3};
+use crate::lanes::{F32x8, Lanes, LanesU32, MAX_LANES, Mask, Vec3};
 
 /// Rays in flight.
 const SLOTS: usize = 16;
@@ -188,7 +188,7 @@ impl Many {
         let node: &Node = &bvh.nodes[slot.at as usize];
         let (mask, near) = boxes(node, &slot.prepared, slot.hit.t);
         let bits = mask.bits();
-        let child = U32x8::load(&node.child);
+        let child = node.children();
         if ANY {
             child.pack(bits).store(&mut self.codes[slot.top..]);
         } else {

@@ -21,8 +21,8 @@ pub(super) fn boxes(node: &Node, ray: &Prepared, t_max: f32) -> (<F32x8 as Lanes
     let (near_rows, far_rows) = (NEAR_ROWS[(ray.octant & 7) as usize], FAR_ROWS[(ray.octant & 7) as usize]);
     for a in 0..3 {
         let inv = F32x8::splat(ray.inv[a]);
-        let n = F32x8::load(&node.bounds[near_rows[a]]).mul_add(inv, F32x8::splat(-ray.near_off[a]));
-        let f = F32x8::load(&node.bounds[far_rows[a]]).mul_add(inv, F32x8::splat(-ray.far_off[a]));
+        let n = node.planes(near_rows[a]).mul_add(inv, F32x8::splat(-ray.near_off[a]));
+        let f = node.planes(far_rows[a]).mul_add(inv, F32x8::splat(-ray.far_off[a]));
         near = near.max(n);
         far = far.min(f);
     }
@@ -112,7 +112,7 @@ impl Single {
             } else {
                 let node = &bvh.nodes[code as usize];
                 let bits = boxes(node, &prepared, ray.t_max).0.bits();
-                U32x8::load(&node.child).pack(bits).store(&mut self.codes[top..]);
+                node.children().pack(bits).store(&mut self.codes[top..]);
                 top += bits.count_ones() as usize;
             }
         }
@@ -125,7 +125,7 @@ impl Single {
         let (mask, near) = boxes(node, ray, t_max);
         let sorted = sort(keys(mask, near));
         sorted.store(&mut self.keys[top..]);
-        U32x8::load(&node.child).permute(sorted).store(&mut self.codes[top..]);
+        node.children().permute(sorted).store(&mut self.codes[top..]);
         mask.bits().count_ones() as usize
     }
 }
