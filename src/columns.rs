@@ -268,11 +268,16 @@ macro_rules! columns {
                 $(<$crate::columns::$kind as $crate::columns::Field>::append::<L>(&mut self.$field, self.len, bits, value.$field);)*
                 self.len += bits.count_ones() as usize;
             }
+            /// Copies a row onto another.
+            #[inline(always)]
+            pub fn copy_row(&mut self, from: usize, to: usize) {
+                $(<$crate::columns::$kind as $crate::columns::Field>::copy(&mut self.$field, from, to);)*
+            }
             /// Removes a row; the last one takes its place.
             #[inline(always)]
             pub fn swap_remove(&mut self, row: usize) {
                 self.len -= 1;
-                $(<$crate::columns::$kind as $crate::columns::Field>::copy(&mut self.$field, self.len, row);)*
+                self.copy_row(self.len, row);
             }
             $(
                 #[doc = concat!("The field `", stringify!($field), "` of a group of rows.")]

@@ -158,8 +158,12 @@ impl<S: Sampler> Wave<S> {
                 let hits = q.by_kind[crate::material::Kind::Luminous as usize].len();
                 probe.stage(Stage::Emit, hits, || emit::emit(q, world, samples));
             }
+            if plan.sole_kind() {
+                // With the ended paths out of the way, the rest is without gaps: whole registers move.
+                probe.stage(Stage::Compact, n, || compact(q));
+            }
             for &kind in &plan.kinds {
-                let hits = q.by_kind[kind as usize].len();
+                let hits = if plan.sole_kind() { q.paths.len() } else { q.by_kind[kind as usize].len() };
                 for_kind!(kind, M => probe.stage(Stage::Shade, hits, || shade::shade::<M, S>(q, kind, world, plan)));
             }
             if plan.connect {
@@ -167,7 +171,7 @@ impl<S: Sampler> Wave<S> {
                 let shadows = q.shadows.len();
                 probe.stage(Stage::Connect, shadows, || connect::connect(q, bvh, tracer, samples));
             }
-            probe.stage(Stage::Compact, n, || compact(q));
+            probe.stage(Stage::Compact, q.paths.len(), || compact(q));
         }
     }
 }
@@ -177,6 +181,8 @@ fn compact(q: &mut Queues) {
     for row in (0..q.paths.len()).rev() {
         if q.ended[row] {
             q.paths.swap_remove(row);
+            q.hits.copy_row(q.paths.len(), row);
+            q.ended[row] = false;
             if let Some(scales) = &mut q.scales {
                 scales.swap_remove(row);
             }

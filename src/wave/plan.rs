@@ -82,13 +82,24 @@ impl Plan {
     }
 }
 
+impl Plan {
+    /// Whether all surfaces that scatter are of one kind, so that their rows need no list.
+    pub fn sole_kind(&self) -> bool {
+        self.kinds.len() == 1
+    }
+}
+
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut line =
             |runs: bool, stage: &str, how: &str| writeln!(f, "  {} {stage:<11} {how}", if runs { "+" } else { "-" });
         line(true, "generate", "camera rays, in lanes")?;
         line(true, "intersect", "8-wide BVH, many rays in flight")?;
-        line(true, "route", if self.kinds.len() > 1 { "by kind of surface" } else { "hits from misses" })?;
+        line(
+            true,
+            "route",
+            if self.sole_kind() { "hits from the rest: one kind of surface" } else { "by kind of surface" },
+        )?;
         line(self.escape, "escape", if self.escape { "constant background" } else { "the background is black" })?;
         line(
             self.emit,

@@ -84,7 +84,8 @@ impl Queues {
             hits: HitQueue::with_capacity(n),
             shadows: ShadowQueue::with_capacity(if plan.connect { n } else { 0 }),
             by_kind: std::array::from_fn(|k| {
-                list(plan.kinds.iter().any(|&kind| kind as usize == k) || (plan.emit && k == Kind::Luminous as usize))
+                let listed = !plan.sole_kind() && plan.kinds.iter().any(|&kind| kind as usize == k);
+                list(listed || (plan.emit && k == Kind::Luminous as usize))
             }),
             escaped: list(plan.escape),
             ended: vec![false; n],
@@ -95,7 +96,8 @@ impl Queues {
 impl Plan {
     /// Bytes that one path takes in all queues.
     pub fn path_bytes(&self) -> usize {
-        let lists = self.kinds.len() + usize::from(self.emit) + usize::from(self.escape);
+        let kinds = if self.sole_kind() { 0 } else { self.kinds.len() };
+        let lists = kinds + usize::from(self.emit) + usize::from(self.escape);
         PathQueue::ROW_BYTES
             + HitQueue::ROW_BYTES
             + if self.transmit { ScaleQueue::ROW_BYTES } else { 0 }

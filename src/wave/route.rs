@@ -27,7 +27,9 @@ pub fn route(q: &mut Queues, world: &World, plan: &Plan, counts: &mut Counts) {
                     q.by_kind[kind].push(row as u32);
                 }
             } else if q.paths.depth::<f32>(&at) < plan.max_depth {
-                q.by_kind[kind].push(row as u32);
+                if !plan.sole_kind() {
+                    q.by_kind[kind].push(row as u32);
+                }
                 goes_on = true;
             } else {
                 counts.cut(q.paths.throughput::<f32>(&at));

@@ -130,29 +130,41 @@ where
     Shaded { path, scale, alive, shadow, connected }
 }
 
-/// One bounce of all paths that hit a surface of kind `M`.
+/// One bounce of all paths that hit a surface of kind `M`: those listed, or all that are left where there is no other.
 pub fn shade<M: Lobe, S: Sampler>(q: &mut Queues, kind: Kind, world: &World, plan: &Plan)
 where
     Materials: Table<M>,
 {
-    let list = std::mem::take(&mut q.by_kind[kind as usize]);
-    for chunk in list.chunks(MAX_LANES) {
-        let rows = Rows::listed(chunk);
-        let scale = q.scales.as_ref().map_or(F32x8::splat(1.0), |s| s.scale(&rows));
-        let out = shade_rows::<M, S, F32x8>(world, plan, q.paths.gather(&rows), scale, &q.hits.gather(&rows));
-        q.paths.scatter(&rows, out.path);
-        if M::TRANSMITS
-            && let Some(scales) = &mut q.scales
-        {
-            scales.scatter(&rows, Scale { scale: out.scale });
-        }
-        if plan.connect && !M::DELTA {
-            q.shadows.append(out.connected.bits() & rows.live(), out.shadow);
-        }
-        let alive = out.alive.bits();
-        for i in 0..rows.count() {
-            q.ended[rows.at(i)] = alive >> i & 1 == 0;
-        }
+    if plan.sole_kind() {
+        (0..q.paths.len()).step_by(MAX_LANES).for_each(|first| {
+            let rows = Rows::range(first, MAX_LANES.min(q.paths.len() - first));
+            shade_group::<M, S>(q, &rows, world, plan);
+        });
+        return;
     }
+    let list = std::mem::take(&mut q.by_kind[kind as usize]);
+    list.chunks(MAX_LANES).for_each(|chunk| shade_group::<M, S>(q, &Rows::listed(chunk), world, plan));
     q.by_kind[kind as usize] = list;
+}
+
+#[inline(always)]
+fn shade_group<M: Lobe, S: Sampler>(q: &mut Queues, rows: &Rows, world: &World, plan: &Plan)
+where
+    Materials: Table<M>,
+{
+    let scale = q.scales.as_ref().map_or(F32x8::splat(1.0), |s| s.scale(rows));
+    let out = shade_rows::<M, S, F32x8>(world, plan, q.paths.gather(rows), scale, &q.hits.gather(rows));
+    q.paths.scatter(rows, out.path);
+    if M::TRANSMITS
+        && let Some(scales) = &mut q.scales
+    {
+        scales.scatter(rows, Scale { scale: out.scale });
+    }
+    if plan.connect && !M::DELTA {
+        q.shadows.append(out.connected.bits() & rows.live(), out.shadow);
+    }
+    let alive = out.alive.bits();
+    for i in 0..rows.count() {
+        q.ended[rows.at(i)] = alive >> i & 1 == 0;
+    }
 }
