@@ -211,7 +211,7 @@ impl Field for U4 {
 /// Makes a row type and the queue that holds it in columns; see the module's documentation.
 macro_rules! columns {
     ($(#[$doc:meta])* pub struct $queue:ident of $row:ident { $($(#[$fdoc:meta])* $field:ident: $kind:ident,)* }) => {
-        #[doc = concat!("A group of rows of [`", stringify!($queue), "`], in lanes.")]
+        #[doc = concat!("A group of rows of `", stringify!($queue), "`, in lanes.")]
         #[derive(Clone, Copy, Debug)]
         pub struct $row<L: $crate::lanes::Lanes> {
             $($(#[$fdoc])* pub $field: <$crate::columns::$kind as $crate::columns::Field>::Value<L>,)*

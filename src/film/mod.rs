@@ -25,7 +25,7 @@ pub struct Pixel {
 }
 
 impl Pixel {
-    /// Adds a sample; false if it is not finite, and then nothing is added but to the count.
+    /// Adds a sample; false if it is not finite, and then nothing is added.
     pub fn add(&mut self, sample: [f32; 3]) -> bool {
         let good = sample.iter().all(|c| c.is_finite());
         if good {
