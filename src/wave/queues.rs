@@ -106,3 +106,49 @@ impl Plan {
             + size_of::<bool>()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Camera;
+    use crate::linear::DVec3;
+    use crate::wave::Method;
+    use crate::world::{MaterialInput, Mesh, Object, Size, WorldBuilder};
+
+    fn plan(materials: &[MaterialInput], background: f32) -> Plan {
+        let (focal_point, direction) = (DVec3::ZERO, DVec3::Y);
+        let mut b =
+            WorldBuilder::new(Camera { focal_point, direction, width: 4, height: 4, x_angle: 45.0, y_angle: 45.0 });
+        b.background([background; 3]);
+        let positions = [DVec3::ZERO, DVec3::X, DVec3::Z].to_vec();
+        let mesh = b.mesh(Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() });
+        for m in materials {
+            let material = b.material(m.clone());
+            b.object(Object { mesh, material, rotation: DVec3::ZERO, size: Size::Scale(1.0), mid_point: DVec3::ZERO });
+        }
+        Plan::new(&b.build().unwrap(), Method::Mis, None, 64)
+    }
+
+    /// The queues hold what the plan counts; nothing is held for what the scene lacks; all of it stays small.
+    #[test]
+    fn paths_are_small_and_absent_features_take_nothing() {
+        let (matt, diffuse, mirror, glass, lamp) = (
+            MaterialInput::Diffuse { color: [0.5; 3], mattness: 0.5 },
+            MaterialInput::Diffuse { color: [0.5; 3], mattness: 1.0 },
+            MaterialInput::Specular { color: [0.5; 3] },
+            MaterialInput::Transparent { color: [0.5; 3], ref_index: 1.5 },
+            MaterialInput::Luminous { radiance: [1.0; 3] },
+        );
+        let all = plan(&[matt, diffuse.clone(), mirror.clone(), glass, lamp.clone()], 1.0);
+        assert!(all.path_bytes() <= 160, "{} bytes", all.path_bytes());
+        let box_ = plan(&[diffuse, lamp.clone()], 0.0);
+        let q = Queues::new(&box_);
+        assert!(q.scales.is_none() && q.escaped.capacity() == 0 && q.by_kind[..4].iter().all(|l| l.capacity() == 0));
+        assert!(box_.sole_kind() && box_.connect && !box_.transmit && !box_.smooth && !box_.escape);
+        // 64 of the path, 12 of the hit, 40 of the connection, a list for lights, a flag.
+        assert_eq!(box_.path_bytes(), 64 + 12 + 40 + 4 + 1);
+        // Nothing can be connected to from a mirror.
+        let mirrors = plan(&[mirror, lamp], 0.0);
+        assert!(!mirrors.connect && mirrors.path_bytes() == 64 + 12 + 4 + 1);
+    }
+}
