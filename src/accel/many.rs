@@ -4,11 +4,11 @@
 
 use super::layout::Node;
 use super::ray::{Prepared, Prepared8, RayLanes};
-use super::single::{boxes, distance, keys, sort};
+use super::single::{boxes, distances, keys, sort};
 use super::triangle::{any_in_leaf, closest_in_leaf};
 use super::{Bvh, Hit, LEAF, Ray};
 use crate::columns::Rows;
-use crate::lanes::{F32x8, Lanes, LanesU32, MAX_LANES, Mask, Vec3};
+use crate::lanes::{F32x8, Lanes, LanesU32, MAX_LANES, Mask, U32x8, Vec3};
 
 /// Rays in flight.
 const SLOTS: usize = 16;
@@ -198,9 +198,6 @@ impl Many {
         }
         slot.top = slot.top + bits.count_ones() as usize - 1;
         slot.at = self.codes[slot.top];
-        if slot.at == DONE {
-            slot.top += 1;
-        }
         slot.at
     }
 
@@ -216,18 +213,20 @@ impl Many {
                 slot.top = bottom;
             }
         } else if closest_in_leaf(leaf, &slot.prepared, &mut slot.hit) {
+            // Eight entries at a time: a loop over single ones ends at a different place each time.
             let mut kept = bottom;
-            for i in bottom..slot.top {
-                (self.keys[kept], self.codes[kept]) = (self.keys[i], self.codes[i]);
-                kept += usize::from(distance(self.keys[i]) <= slot.hit.t);
+            for i in (bottom..slot.top).step_by(MAX_LANES) {
+                let (keys, codes) = (U32x8::load(&self.keys[i..]), U32x8::load(&self.codes[i..]));
+                let live = (1u32 << MAX_LANES.min(slot.top - i)) - 1;
+                let near = distances(keys).le(F32x8::splat(slot.hit.t)).bits() & live;
+                keys.pack(near).store(&mut self.keys[kept..]);
+                codes.pack(near).store(&mut self.codes[kept..]);
+                kept += near.count_ones() as usize;
             }
             slot.top = kept;
         }
         slot.top -= 1;
         slot.at = self.codes[slot.top];
-        if slot.at == DONE {
-            slot.top += 1;
-        }
         slot.at
     }
 }

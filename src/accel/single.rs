@@ -40,8 +40,14 @@ pub(super) fn keys(hit: <F32x8 as Lanes>::Mask, near: F32x8) -> U32x8 {
 
 /// A lower bound of the distance in a key.
 #[inline(always)]
-pub(super) fn distance(key: u32) -> f32 {
+fn distance(key: u32) -> f32 {
     f32::from_bits(!(key | 7))
+}
+
+/// Lower bounds of the distances in keys.
+#[inline(always)]
+pub(super) fn distances(keys: U32x8) -> F32x8 {
+    F32x8::from_bits(keys.or(U32x8::splat(7)).complement())
 }
 
 /// Sorts eight keys: Batcher's odd-even merge network, 19 comparators in six layers.
