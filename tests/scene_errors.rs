@@ -1,6 +1,6 @@
 //! Every mistake of a scene file has its message, all of them are told, and no input makes the reader panic.
 
-use std::{fs, path::Path};
+use std::{fs, path::Path, process::Command};
 
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
@@ -406,6 +406,27 @@ fn every_mistake_has_its_message() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The same mistakes through the program: message on standard error, exit code 1, no image.
+#[test]
+fn every_mistake_ends_the_program_with_code_1() {
+    let mut wrong = Vec::new();
+    for (from, to, expected) in MISTAKES {
+        let folder = folder();
+        fs::write(folder.path().join("scene.json"), patched(from, to)).expect("a scene in the folder");
+        let out = Command::new(env!("CARGO_BIN_EXE_wavetrace"))
+            .args(["scene.json", "-o", "image.png"])
+            .current_dir(folder.path())
+            .output()
+            .expect("the program starts");
+        let message = String::from_utf8_lossy(&out.stderr).replace(&format!("{}/", folder.path().display()), "");
+        let told = message.lines().any(|line| line.starts_with(&format!("error: {expected}")));
+        if out.status.code() != Some(1) || !told || folder.path().join("image.png").exists() {
+            wrong.push(format!("{to}\n  {} {message}\n  expected {expected}", out.status));
+        }
+    }
+    assert!(MISTAKES.len() >= 25 && wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]
