@@ -15,9 +15,9 @@ const DEFAULT_PIXELS: u32 = 1000;
 const DEFAULT_X_ANGLE: f64 = 45.0;
 
 /// Most pixels across, and most down.
-pub const MAX_SIDE: u32 = 65_536;
+pub const MAX_SIDE: u32 = Camera::MAX_SIDE;
 /// Most pixels of an image.
-pub const MAX_PIXELS: u64 = 1 << 28;
+pub const MAX_PIXELS: u64 = Camera::MAX_PIXELS;
 
 /// Which fields of view the scene states; the other follows by square pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -22,7 +22,8 @@ pub struct Surface<L: Lanes> {
 /// How far off a surface rays start, as a share of the triangle's largest coordinate. Two errors have to be passed: that
 /// of the interpolated position, 7 roundings of 2^-24 in each coordinate (Pharr et al. 2023, section 6.8), and that of the
 /// distance to the triangle's plane as the triangle test finds it, which grows with the triangle's extent, not with the
-/// point's own coordinates: 3 to 6 roundings of coordinates up to sqrt(3) times twice the largest. The sum is below 32.
+/// point's own coordinates: some roundings of coordinates up to sqrt(3) times twice the largest. 32 leaves room for both,
+/// except at needles, whose error grows with extent over area.
 const POSITION_ERROR: f32 = 32.0 * 0.5 * f32::EPSILON;
 /// Interpolated normals are tilted until the path meets them at least at this cosine.
 const MIN_COS: f32 = 1e-3;
