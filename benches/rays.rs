@@ -4,7 +4,7 @@
 //! thread, median and best of the repeats.
 
 use std::time::Instant;
-use wavetrace::accel::{Bvh, Hit, Many, Ray, Single, from_slice};
+use wavetrace::accel::{Bvh, Hit, Many, Ray, Single};
 use wavetrace::lanes::{Frame, Vec3};
 use wavetrace::sampling::{Decision, Sampler, Xoshiro, warp};
 use wavetrace::scene;
@@ -25,7 +25,7 @@ fn bounce(corners: &[[[f32; 3]; 3]], ray: &Ray, hit: &Hit, number: u32) -> Optio
 }
 
 fn report(name: &str, rays: &[Ray], bvh: &Bvh) {
-    let (mut single, mut many) = (Single::new(bvh), Many::new(bvh));
+    let (mut single, mut many) = (Single::new(bvh), Many::new());
     let short: Vec<Ray> = rays.iter().map(|r| Ray { t_max: 0.5, ..*r }).collect();
     let mut times = [const { Vec::new() }; 4];
     let mut sums = [0u64; 4];
@@ -34,14 +34,14 @@ fn report(name: &str, rays: &[Ray], bvh: &Bvh) {
         sums[0] = rays.iter().map(|r| u64::from(single.closest(bvh, r).triangle)).sum();
         times[0].push(clock.elapsed());
         let (clock, mut sum) = (Instant::now(), 0);
-        many.closest(bvh, rays.len(), from_slice(rays), |_, hit| sum += u64::from(hit.triangle));
+        many.closest(bvh, rays.len(), rays, |_, hit| sum += u64::from(hit.triangle));
         times[1].push(clock.elapsed());
         sums[1] = sum;
         let clock = Instant::now();
         sums[2] = short.iter().map(|r| u64::from(single.any(bvh, r))).sum();
         times[2].push(clock.elapsed());
         let (clock, mut sum) = (Instant::now(), 0);
-        many.any(bvh, rays.len(), from_slice(&short), |_, hit| sum += u64::from(hit));
+        many.any(bvh, rays.len(), short.as_slice(), |_, hit| sum += u64::from(hit));
         times[3].push(clock.elapsed());
         sums[3] = sum;
     }

@@ -59,9 +59,11 @@ fn stages(renderer: &Renderer) {
     let settings = Settings { spp: SPP, threads: 1, time_stages: true, ..Settings::default() };
     let out = renderer.render(&settings, &Control::default()).expect("settings in range");
     let total: f64 = out.stages.iter().map(|s| s.time.as_secs_f64()).sum();
-    for StageRow { stage, items, time, .. } in out.stages.iter().filter(|s| s.items > 0) {
-        let s = time.as_secs_f64();
-        println!("    {:11} {:5.1} %  {:6.1} ns per item", stage.name(), 100.0 * s / total, s * 1e9 / *items as f64);
+    for row in out.stages.iter().filter(|s| s.items > 0) {
+        let StageRow { stage, items, time, .. } = row;
+        let (s, full) = (time.as_secs_f64(), 100.0 * row.occupancy());
+        let (share, each) = (100.0 * s / total, s * 1e9 / *items as f64);
+        println!("    {:11} {share:5.1} %  {each:6.1} ns per item  lanes {full:5.1} % full", stage.name());
     }
     let plan = renderer.plan(&settings).expect("settings in range");
     println!(

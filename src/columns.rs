@@ -29,8 +29,14 @@ impl Rows {
     #[inline(always)]
     pub fn range(first: usize, count: usize) -> Self {
         let (first, last) = (first as u32, (first + count) as u32 - 1);
-        let index = std::array::from_fn(|i| (first + i as u32).min(last));
+        let at = |i: u32| (first + i).min(last);
+        let index = [at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)];
         Self { index, count, contiguous: count == MAX_LANES }
+    }
+    /// The same rows, `by` further on.
+    #[inline(always)]
+    pub fn shifted(&self, by: usize) -> Self {
+        Self { index: self.index.map(|i| i + by as u32), ..*self }
     }
     /// Row of lane `i`.
     #[inline(always)]
@@ -65,8 +71,6 @@ pub trait Field {
     fn scatter<L: Lanes>(store: &mut Self::Store, rows: &Rows, value: Self::Value<L>);
     /// Writes the lanes whose bit is set one after another from row `at` on; may overwrite up to 8 rows from there.
     fn append<L: Lanes>(store: &mut Self::Store, at: usize, bits: u32, value: Self::Value<L>);
-    /// Copies a row.
-    fn copy(store: &mut Self::Store, from: usize, to: usize);
 }
 
 /// A column of `f32`.
@@ -102,8 +106,7 @@ impl Field for F {
         if rows.contiguous && L::N == MAX_LANES {
             value.store(&mut store[rows.at(0)..]);
         } else {
-            let lanes = value.array();
-            for (i, &v) in lanes.as_ref().iter().enumerate().take(rows.count) {
+            for (i, &v) in value.array().as_ref().iter().enumerate().take(rows.count) {
                 store[rows.at(i)] = v;
             }
         }
@@ -111,10 +114,6 @@ impl Field for F {
     #[inline(always)]
     fn append<L: Lanes>(store: &mut Vec<f32>, at: usize, bits: u32, value: L) {
         value.pack(bits).store(&mut store[at..]);
-    }
-    #[inline(always)]
-    fn copy(store: &mut Vec<f32>, from: usize, to: usize) {
-        store[to] = store[from];
     }
 }
 
@@ -138,8 +137,7 @@ impl Field for U {
         if rows.contiguous && L::N == MAX_LANES {
             value.store(&mut store[rows.at(0)..]);
         } else {
-            let lanes = value.array();
-            for (i, &v) in lanes.as_ref().iter().enumerate().take(rows.count) {
+            for (i, &v) in value.array().as_ref().iter().enumerate().take(rows.count) {
                 store[rows.at(i)] = v;
             }
         }
@@ -147,10 +145,6 @@ impl Field for U {
     #[inline(always)]
     fn append<L: Lanes>(store: &mut Vec<u32>, at: usize, bits: u32, value: L::Uint) {
         value.pack(bits).store(&mut store[at..]);
-    }
-    #[inline(always)]
-    fn copy(store: &mut Vec<u32>, from: usize, to: usize) {
-        store[to] = store[from];
     }
 }
 
@@ -177,10 +171,6 @@ impl Field for V3 {
         F::append(y, at, bits, value.y);
         F::append(z, at, bits, value.z);
     }
-    #[inline(always)]
-    fn copy(store: &mut [Vec<f32>; 3], from: usize, to: usize) {
-        store.iter_mut().for_each(|column| F::copy(column, from, to));
-    }
 }
 
 impl Field for U4 {
@@ -192,19 +182,20 @@ impl Field for U4 {
     }
     #[inline(always)]
     fn gather<L: Lanes>(store: &[Vec<u32>; 4], rows: &Rows) -> [L::Uint; 4] {
-        std::array::from_fn(|k| U::gather::<L>(&store[k], rows))
+        let [a, b, c, d] = store;
+        [U::gather::<L>(a, rows), U::gather::<L>(b, rows), U::gather::<L>(c, rows), U::gather::<L>(d, rows)]
     }
     #[inline(always)]
     fn scatter<L: Lanes>(store: &mut [Vec<u32>; 4], rows: &Rows, value: [L::Uint; 4]) {
-        store.iter_mut().zip(value).for_each(|(column, v)| U::scatter::<L>(column, rows, v));
+        for (column, v) in store.iter_mut().zip(value) {
+            U::scatter::<L>(column, rows, v);
+        }
     }
     #[inline(always)]
     fn append<L: Lanes>(store: &mut [Vec<u32>; 4], at: usize, bits: u32, value: [L::Uint; 4]) {
-        store.iter_mut().zip(value).for_each(|(column, v)| U::append::<L>(column, at, bits, v));
-    }
-    #[inline(always)]
-    fn copy(store: &mut [Vec<u32>; 4], from: usize, to: usize) {
-        store.iter_mut().for_each(|column| U::copy(column, from, to));
+        for (column, v) in store.iter_mut().zip(value) {
+            U::append::<L>(column, at, bits, v);
+        }
     }
 }
 
@@ -265,19 +256,19 @@ macro_rules! columns {
             /// Appends the lanes whose bit is set, in order.
             #[inline(always)]
             pub fn append<L: $crate::lanes::Lanes>(&mut self, bits: u32, value: $row<L>) {
-                $(<$crate::columns::$kind as $crate::columns::Field>::append::<L>(&mut self.$field, self.len, bits, value.$field);)*
+                self.put(self.len, bits, value);
                 self.len += bits.count_ones() as usize;
             }
-            /// Copies a row onto another.
+            /// Writes the lanes whose bit is set one after another from row `at` on. The eight rows from there must have
+            /// been read: what comes after the lanes is unspecified.
             #[inline(always)]
-            pub fn copy_row(&mut self, from: usize, to: usize) {
-                $(<$crate::columns::$kind as $crate::columns::Field>::copy(&mut self.$field, from, to);)*
+            pub fn put<L: $crate::lanes::Lanes>(&mut self, at: usize, bits: u32, value: $row<L>) {
+                $(<$crate::columns::$kind as $crate::columns::Field>::append::<L>(&mut self.$field, at, bits, value.$field);)*
             }
-            /// Removes a row; the last one takes its place.
+            /// Keeps the first `len` rows.
             #[inline(always)]
-            pub fn swap_remove(&mut self, row: usize) {
-                self.len -= 1;
-                self.copy_row(self.len, row);
+            pub fn truncate(&mut self, len: usize) {
+                self.len = self.len.min(len);
             }
             $(
                 #[doc = concat!("The field `", stringify!($field), "` of a group of rows.")]
@@ -313,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_survive_append_gather_scatter_and_removal() {
+    fn rows_survive_append_gather_scatter_and_packing() {
         let mut q = TestQueue::with_capacity(20);
         for i in 0..20 {
             q.append::<f32>(1, row(i as f32));
@@ -326,14 +317,16 @@ mod tests {
         assert_eq!(q.slot::<f32>(&Rows::range(0, 1)), 3);
         assert_eq!(q.slot::<f32>(&Rows::range(1, 1)), 1, "rows between stay");
         assert_eq!(q.slot::<f32>(&Rows::range(3, 1)), 3, "lanes past the live ones are not written");
-        q.swap_remove(1);
-        assert_eq!((q.len(), q.weight::<f32>(&Rows::range(1, 1))), (19, -19.0));
+        let four = q.gather::<F32x8>(&Rows::range(16, 4));
+        q.put(15, 0b1010, four);
+        q.truncate(17);
+        assert_eq!((q.len(), q.slot::<f32>(&Rows::range(15, 1)), q.slot::<f32>(&Rows::range(16, 1))), (17, 17, 19));
         let eight = q.gather::<F32x8>(&Rows::range(4, 8));
         let mut packed = TestQueue::with_capacity(8);
         packed.append::<F32x8>(0b1001_0010, eight);
         let slots: Vec<u32> = (0..packed.len()).map(|i| packed.slot::<f32>(&Rows::range(i, 1))).collect();
         assert_eq!(slots, [5, 8, 11]);
         let covered: usize = q.groups().map(|g| g.count()).sum();
-        assert_eq!(covered, 19);
+        assert_eq!(covered, 17);
     }
 }

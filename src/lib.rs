@@ -65,7 +65,10 @@
 //! its file's ending names. Another thread follows a render and stops it through its [`Control`]. Nothing here prints,
 //! exits or panics on any input: what goes wrong comes back as an [`Error`]. `examples/library.rs` is a longer example.
 
+#![deny(unsafe_code)]
+
 pub mod accel;
+pub mod bench;
 pub mod camera;
 pub mod columns;
 pub mod error;

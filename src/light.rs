@@ -1,6 +1,6 @@
 //! Lights: every luminous triangle is an emitter, two-sided, chosen by power and sampled by area.
 
-use crate::lanes::{Lanes, LanesU32, Vec3, largest_coordinate};
+use crate::lanes::{Lanes, MAX_LANES, Vec3, largest_coordinate};
 use crate::sampling::warp;
 
 /// A luminous triangle in world coordinates.
@@ -119,8 +119,11 @@ impl Lights {
     #[inline(always)]
     pub fn sample<L: Lanes>(&self, u: [L; 4]) -> LightPoint<L> {
         let (pick, coin) = (u[0].array(), u[1].array());
-        let chosen = L::Uint::from_fn(|i| self.table.draw(pick.as_ref()[i], coin.as_ref()[i]) as u32).array();
-        let row = |i: usize| &self.rows[chosen.as_ref()[i] as usize];
+        let mut chosen = [0; MAX_LANES];
+        for ((chosen, &u), &coin) in chosen.iter_mut().zip(pick.as_ref()).zip(coin.as_ref()) {
+            *chosen = self.table.draw(u, coin);
+        }
+        let row = |i: usize| &self.rows[chosen[i]];
         let [ax, ay, az, bx, by, bz, cx, cy] = L::columns8(|i| &row(i)[0]);
         let [cz, nx, ny, nz, red, green, blue, pdf_area] = L::columns8(|i| &row(i)[1]);
         let (a, b, c) = (Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz));

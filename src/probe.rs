@@ -1,5 +1,6 @@
 //! What is measured inside the wave loop, and what it costs to measure nothing: no instruction.
 
+use crate::lanes::MAX_LANES;
 use std::time::{Duration, Instant};
 
 /// A stage of the wave loop, in the order in which they run.
@@ -84,8 +85,17 @@ pub struct StageRow {
     pub calls: u64,
     /// Rows that it ran on, in all.
     pub items: u64,
+    /// Lanes that were spent on them: each run takes its rows eight at a time.
+    pub lanes: u64,
     /// Time spent in it, summed over threads.
     pub time: Duration,
+}
+
+impl StageRow {
+    /// Share of the lanes that held a row; 1 where none were spent.
+    pub fn occupancy(&self) -> f64 {
+        if self.lanes == 0 { 1.0 } else { self.items as f64 / self.lanes as f64 }
+    }
 }
 
 /// Measures calls, rows and time of each stage.
@@ -94,7 +104,7 @@ pub struct StageTimes([StageRow; Stage::ALL.len()]);
 
 impl Default for StageTimes {
     fn default() -> Self {
-        Self(Stage::ALL.map(|stage| StageRow { stage, calls: 0, items: 0, time: Duration::ZERO }))
+        Self(Stage::ALL.map(|stage| StageRow { stage, calls: 0, items: 0, lanes: 0, time: Duration::ZERO }))
     }
 }
 
@@ -107,9 +117,28 @@ impl Probe for StageTimes {
         row.time += start.elapsed();
         row.calls += 1;
         row.items += items as u64;
+        row.lanes += items.next_multiple_of(MAX_LANES) as u64;
         result
     }
     fn rows(&self) -> Vec<StageRow> {
         self.0.to_vec()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_fill_lanes_eight_at_a_time() {
+        let mut probe = StageTimes::default();
+        for items in [16, 9, 0, 1] {
+            probe.stage(Stage::Shade, items, || ());
+        }
+        let rows = probe.rows();
+        let row = rows.iter().find(|r| r.stage == Stage::Shade).unwrap();
+        assert_eq!((row.calls, row.items, row.lanes), (4, 26, 40));
+        assert_eq!(row.occupancy(), 0.65);
+        assert_eq!(rows[0].occupancy(), 1.0);
     }
 }

@@ -157,7 +157,7 @@ fn help_and_version_go_to_standard_output() {
         assert!(help.out.contains(option), "{option} in {}", help.out);
     }
     let version = folder.ok(&["--version"]).out;
-    assert_eq!(version.trim(), format!("wavetrace {} (SIMD: {})", env!("CARGO_PKG_VERSION"), wavetrace::lanes::SIMD));
+    assert_eq!(version.trim(), format!("wavetrace {} (SIMD: {})", env!("CARGO_PKG_VERSION"), wavetrace::lanes::simd()));
     assert!(folder.run(&[]).err.contains("Usage:"));
     assert_eq!(folder.run(&[]).code, Some(2));
 }
@@ -439,7 +439,7 @@ fn stats_are_complete_and_consistent() {
     let t = |path: &str| stats.pointer(path).and_then(Value::as_str).unwrap_or_else(|| panic!("{path} in {stats:#}"));
     assert_eq!(
         (t("/version"), t("/scene"), t("/simd")),
-        (env!("CARGO_PKG_VERSION"), "lit.json", wavetrace::lanes::SIMD)
+        (env!("CARGO_PKG_VERSION"), "lit.json", wavetrace::lanes::simd())
     );
     assert_eq!((t("/method"), t("/sampler"), t("/integrator")), ("mis", "xoshiro", "wavefront"));
     assert_eq!([n("/width"), n("/height"), n("/spp"), n("/threads"), n("/seed")], [16, 12, 5, 2, 9]);

@@ -1,44 +1,89 @@
-//! The binary tree, built by obvhs (PLOC with reinsertion); the only file that names it.
+//! The binary tree: triangles split into boxes, a tree over these, and its improvement by reinsertion. Splitting and
+//! reinsertion are obvhs's; the only file that names it.
 
-use obvhs::bvh2::builder::build_bvh2_from_tris;
+use super::Quality;
+use super::bounds::Reference;
+use super::parallel::*;
+use super::sah::tree;
+use obvhs::bvh2::{Bvh2, reinsertion::ReinsertionOptimizer};
+use obvhs::splits::split_aabbs_precise;
 use obvhs::triangle::Triangle;
-use obvhs::{BvhBuildParams, ploc::PlocSearchDistance};
-use std::time::Duration;
 
-/// A node of the binary tree.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct BinaryNode {
-    pub lo: [f32; 3],
-    pub hi: [f32; 3],
-    /// Index of the first child, the second one behind it; of a leaf, the id of its triangle.
-    pub first: u32,
-    pub is_leaf: bool,
-}
+pub(super) use obvhs::aabb::Aabb;
+/// A node of the binary tree; `first_index` is that of its first child, the second one behind it, or of a leaf the id of
+/// its triangle.
+pub(super) use obvhs::bvh2::node::Bvh2Node as BinaryNode;
 
-/// Triangles up to which the slower, better build pays: past it the time to the first ray counts.
-const SLOW_BUILD_LIMIT: usize = 200_000;
+/// Share of the nodes that the first pass of reinsertion tries to place better.
+const REINSERTION: f32 = 0.2;
+
+/// Triangles that one task turns into boxes.
+const CHUNK: usize = 1 << 14;
+
+/// Boxes met on average from which on reinsertion is not tried: where everything overlaps everything, such as in nested
+/// shells, its search has to look at all nodes for each. Scenes of separate things have some tens.
+const HOPELESS: f64 = 4000.0;
 
 /// The binary tree, root first, one triangle per leaf; a triangle may stand in several. Empty for no triangles.
-pub(super) fn binary_tree(corners: &[[[f32; 3]; 3]]) -> Vec<BinaryNode> {
+///
+/// No way from the root is longer than [`super::sah::DEPTH`] nodes, unless `reinserted`: then it may be any length.
+pub(super) fn binary_tree(corners: &[[[f32; 3]; 3]], quality: Quality, reinserted: bool) -> Vec<BinaryNode> {
     if corners.is_empty() {
         return Vec::new();
     }
-    let triangles: Vec<Triangle> =
-        corners.iter().map(|&[a, b, c]| Triangle { v0: a.into(), v1: b.into(), v2: c.into() }).collect();
-    let preset = if corners.len() <= SLOW_BUILD_LIMIT {
-        BvhBuildParams::slow_build()
-    } else {
-        BvhBuildParams { ploc_search_distance: PlocSearchDistance::Low, ..BvhBuildParams::fast_build() }
+    let nodes = match quality {
+        Quality::Fast => tree::<8>(whole(corners)),
+        Quality::Balanced => tree::<16>(split(corners)),
+        Quality::Best => tree::<32>(split(corners)),
     };
-    let params =
-        BvhBuildParams { max_prims_per_leaf: 1, post_collapse_reinsertion_batch_ratio_multiplier: 0.0, ..preset };
-    let bvh = build_bvh2_from_tris(&triangles, params, &mut Duration::default());
-    bvh.nodes
-        .iter()
-        .map(|n| {
-            let (is_leaf, box_) = (n.is_leaf(), n.aabb());
-            let first = if is_leaf { bvh.primitive_indices[n.first_index as usize] } else { n.first_index };
-            BinaryNode { lo: box_.min.to_array(), hi: box_.max.to_array(), first, is_leaf }
-        })
-        .collect()
+    // What does not fit the stacks of reinsertion, of a fixed size whatever the depth, is not tried.
+    if !reinserted || boxes_met(&nodes) >= HOPELESS {
+        return nodes;
+    }
+    let mut tree = Bvh2 { nodes, ..Bvh2::default() };
+    ReinsertionOptimizer::default().run(&mut tree, REINSERTION, None);
+    tree.nodes
+}
+
+/// Boxes that a random line through the tree meets, on average.
+fn boxes_met(nodes: &[BinaryNode]) -> f64 {
+    let area = |node: &BinaryNode| f64::from(node.aabb().half_area());
+    let sums: Vec<f64> = nodes.par_chunks(CHUNK).map(|chunk| chunk.iter().map(area).sum()).collect();
+    sums.iter().sum::<f64>() / area(&nodes[0])
+}
+
+fn triangle(&[a, b, c]: &[[f32; 3]; 3]) -> Triangle {
+    Triangle { v0: a.into(), v1: b.into(), v2: c.into() }
+}
+
+fn reference(b: &Aabb, id: u32) -> Reference {
+    Reference::new(b.min.to_array(), b.max.to_array(), id)
+}
+
+/// One box for each triangle.
+fn whole(corners: &[[[f32; 3]; 3]]) -> Vec<Reference> {
+    corners.par_iter().enumerate().map(|(i, t)| reference(&triangle(t).aabb(), i as u32)).collect()
+}
+
+/// One box or several for each triangle: those with a box far above the average are cut where that leaves less.
+fn split(corners: &[[[f32; 3]; 3]]) -> Vec<Reference> {
+    let area = |chunk: &[[[f32; 3]; 3]]| {
+        let areas = chunk.iter().map(|t| triangle(t).aabb().half_area());
+        areas.fold((0.0, 0.0f32), |(sum, most), a| (sum + f64::from(a), most.max(a)))
+    };
+    let areas: Vec<(f64, f32)> = corners.par_chunks(CHUNK).map(area).collect();
+    let mean = (areas.iter().map(|a| a.0).sum::<f64>() / corners.len() as f64) as f32;
+    let most = areas.iter().map(|a| a.1).fold(0.0, f32::max);
+    let split_chunk = |k: usize, chunk: &[[[f32; 3]; 3]]| {
+        let triangles: Vec<Triangle> = chunk.iter().map(triangle).collect();
+        let mut boxes: Vec<Aabb> = triangles.iter().map(Triangle::aabb).collect();
+        let mut ids: Vec<u32> = (0..chunk.len() as u32).collect();
+        let high = (mean * 4.0).max(mean * 0.9 + most * 0.1);
+        split_aabbs_precise(&mut boxes, &mut ids, &triangles, mean * 3.0, high, 1.8, 1.6, 12, 12);
+        let first = (k * CHUNK) as u32;
+        boxes.into_iter().zip(ids).map(move |(b, id)| reference(&b, first + id)).collect::<Vec<_>>()
+    };
+    let parts: Vec<Vec<Reference>> =
+        corners.par_chunks(CHUNK).enumerate().map(|(k, chunk)| split_chunk(k, chunk)).collect();
+    parts.concat()
 }

@@ -1,155 +1,239 @@
 //! From the binary tree to the 8-wide one of least expected cost: a dynamic programme over the ways to cover a subtree
 //! with one to eight roots (in the manner of Ylitie, Karras and Laine 2017, section 3).
 
+use super::arena::{Arena, Block};
 use super::build::BinaryNode;
 use super::layout::{Leaf, Node};
+use super::parallel::*;
 use super::{Bvh, LEAF};
+use std::sync::atomic::{AtomicU8, AtomicU32, Ordering::Relaxed};
 
 const WIDTH: usize = 8;
 /// Cost of a node step, and of a leaf block, per unit of surface.
 const NODE_COST: f32 = 1.0;
 const LEAF_COST: f32 = 1.0;
+/// Subtrees that are planned in parallel, at least, where the tree is large.
+const PARTS: usize = 256;
 
-/// `cost[n][k - 1]`: least cost of covering the subtree of node n with at most k roots.
+/// What the dynamic programme knows of each binary node, written once per node, children first. Atomic because the
+/// subtrees of different tasks lie mixed.
 struct Plan<'a> {
     tree: &'a [BinaryNode],
-    cost: Vec<[f32; WIDTH]>,
-    triangles: Vec<u32>,
-}
-
-fn half_area(n: &BinaryNode) -> f32 {
-    let [x, y, z] = std::array::from_fn(|a| n.hi[a] - n.lo[a]);
-    x * y + y * z + z * x
+    /// `cost[n][k - 1]`: least cost of covering the subtree of node n with at most k roots.
+    cost: Vec<[AtomicU32; WIDTH]>,
+    /// Triangles below, where they fit in a leaf, else one more than that.
+    triangles: Vec<AtomicU8>,
 }
 
 impl<'a> Plan<'a> {
     fn new(tree: &'a [BinaryNode]) -> Self {
-        let mut plan = Self { tree, cost: vec![[0.0; WIDTH]; tree.len()], triangles: vec![1; tree.len()] };
-        for n in preorder(tree).into_iter().rev() {
-            let node = &tree[n];
-            let area = half_area(node);
-            if node.is_leaf {
-                plan.cost[n] = [area * LEAF_COST; WIDTH];
-                continue;
-            }
-            let (l, r) = (node.first as usize, node.first as usize + 1);
-            plan.triangles[n] = plan.triangles[l].saturating_add(plan.triangles[r]);
-            let shared: [f32; WIDTH] =
-                std::array::from_fn(|k| if k == 0 { f32::INFINITY } else { plan.split(n, k + 1).0 });
-            let mut best = plan.leaf_cost(n).min(area * NODE_COST + shared[WIDTH - 1]);
-            for (cost, with_k) in plan.cost[n].iter_mut().zip(shared) {
+        let empty = tree.par_iter().map(|_| (Default::default(), AtomicU8::new(1)));
+        let (cost, triangles) = empty.unzip();
+        let plan = Self { tree, cost, triangles };
+        let (top, parts) = cut(tree);
+        parts.par_iter().for_each(|&n| preorder(tree, n).into_iter().rev().for_each(|n| plan.solve(n)));
+        top.into_iter().rev().for_each(|n| plan.solve(n));
+        plan
+    }
+    /// Costs of node `n`; those of its children are known.
+    fn solve(&self, n: usize) {
+        let area = self.area(n);
+        let mut costs = [area * LEAF_COST; WIDTH];
+        if !self.tree[n].is_leaf() {
+            let first = self.tree[n].first_index as usize;
+            let below = [first, first + 1].map(|child| self.triangles[child].load(Relaxed));
+            self.triangles[n].store((below[0] + below[1]).min(WIDTH as u8 + 1), Relaxed);
+            let children = [first, first + 1].map(|child| self.costs(child));
+            let shared: [f32; WIDTH] = std::array::from_fn(|k| best_split(&children, k + 1).0);
+            let mut best = self.leaf_cost(n).min(area * NODE_COST + shared[WIDTH - 1]);
+            for (cost, with_k) in costs.iter_mut().zip(shared) {
                 best = best.min(with_k);
                 *cost = best;
             }
         }
-        plan
+        self.cost[n].iter().zip(costs).for_each(|(to, cost)| to.store(cost.to_bits(), Relaxed));
+    }
+    fn area(&self, n: usize) -> f32 {
+        self.tree[n].aabb().half_area()
+    }
+    fn costs(&self, n: usize) -> [f32; WIDTH] {
+        self.cost[n].each_ref().map(|cost| f32::from_bits(cost.load(Relaxed)))
     }
     fn leaf_cost(&self, n: usize) -> f32 {
-        if self.triangles[n] as usize <= WIDTH { half_area(&self.tree[n]) * LEAF_COST } else { f32::INFINITY }
+        let fits = self.triangles[n].load(Relaxed) as usize <= WIDTH;
+        if fits { self.area(n) * LEAF_COST } else { f32::INFINITY }
     }
     /// (cost, roots for the left child) of covering inner node `n` by covering its children with `k` >= 2 roots.
     fn split(&self, n: usize, k: usize) -> (f32, usize) {
-        let first = self.tree[n].first as usize;
-        (1..k)
-            .map(|left| (self.cost[first][left - 1] + self.cost[first + 1][k - left - 1], left))
-            .fold((f32::INFINITY, 1), |best, c| if c.0 < best.0 { c } else { best })
+        let first = self.tree[n].first_index as usize;
+        best_split(&[self.costs(first), self.costs(first + 1)], k)
     }
-    /// Collects the at most `k` roots of the best cover of `n`.
-    fn roots(&self, n: usize, k: usize, out: &mut Vec<usize>) {
+    /// Adds the at most `k` roots of the best cover of `n`.
+    fn roots(&self, n: usize, k: usize, out: &mut Wide) {
         let mut todo = vec![(n, k)];
         while let Some((n, mut k)) = todo.pop() {
-            while k > 1 && self.cost[n][k - 2] <= self.cost[n][k - 1] {
+            let cost = self.costs(n);
+            while k > 1 && cost[k - 2] <= cost[k - 1] {
                 k -= 1;
             }
-            if k == 1 || self.tree[n].is_leaf {
+            if k == 1 || self.tree[n].is_leaf() {
                 out.push(n);
             } else {
-                let (left, first) = (self.split(n, k).1, self.tree[n].first as usize);
+                let (left, first) = (self.split(n, k).1, self.tree[n].first_index as usize);
                 todo.push((first + 1, k - left));
                 todo.push((first, left));
             }
         }
     }
     fn is_leaf(&self, n: usize) -> bool {
-        self.tree[n].is_leaf || self.leaf_cost(n) <= half_area(&self.tree[n]) * NODE_COST + self.split(n, WIDTH).0
+        self.tree[n].is_leaf() || self.leaf_cost(n) <= self.area(n) * NODE_COST + self.split(n, WIDTH).0
+    }
+    /// The children of the wide node at `n`.
+    fn wide(&self, n: usize) -> Wide {
+        let mut wide = Wide { roots: [0; WIDTH], codes: [0; WIDTH], len: 0 };
+        if self.is_leaf(n) {
+            wide.push(n);
+        } else {
+            let (left, first) = (self.split(n, WIDTH).1, self.tree[n].first_index as usize);
+            self.roots(first, left, &mut wide);
+            self.roots(first + 1, WIDTH - left, &mut wide);
+        }
+        wide
     }
     /// The distinct triangles below `n`, which holds at most eight.
     fn ids(&self, n: usize) -> Vec<u32> {
-        let (mut ids, mut todo) = (Vec::with_capacity(WIDTH), vec![n]);
-        while let Some(n) = todo.pop() {
-            let node = &self.tree[n];
-            if node.is_leaf {
-                ids.push(node.first);
-            } else {
-                todo.extend([node.first as usize + 1, node.first as usize]);
-            }
-        }
+        let below = preorder(self.tree, n).into_iter().map(|n| &self.tree[n]).filter(|node| node.is_leaf());
+        let mut ids: Vec<u32> = below.map(|node| node.first_index).collect();
         ids.sort_unstable();
         ids.dedup();
         ids
     }
 }
 
-/// Node indices, parents before children.
-fn preorder(tree: &[BinaryNode]) -> Vec<usize> {
-    let mut order = Vec::with_capacity(tree.len());
-    let mut todo = if tree.is_empty() { Vec::new() } else { vec![0] };
+/// (cost, roots for the left child) of covering two children with `k` roots in all; infinite for fewer than 2.
+fn best_split([left, right]: &[[f32; WIDTH]; 2], k: usize) -> (f32, usize) {
+    (1..k).map(|l| (left[l - 1] + right[k - l - 1], l)).fold((f32::INFINITY, 1), |a, b| if b.0 < a.0 { b } else { a })
+}
+
+/// Nodes of the subtree of `root`, parents before children.
+fn preorder(tree: &[BinaryNode], root: usize) -> Vec<usize> {
+    let (mut order, mut todo) = (Vec::new(), vec![root]);
     while let Some(n) = todo.pop() {
         order.push(n);
-        if !tree[n].is_leaf {
-            todo.extend([tree[n].first as usize + 1, tree[n].first as usize]);
+        if !tree[n].is_leaf() {
+            todo.extend([tree[n].first_index as usize + 1, tree[n].first_index as usize]);
         }
     }
     order
 }
 
-/// The 8-wide tree, nodes in depth-first order.
+/// Nodes at the top, parents before children, and the roots of the subtrees below them.
+fn cut(tree: &[BinaryNode]) -> (Vec<usize>, Vec<usize>) {
+    let (mut top, mut parts) = (Vec::new(), vec![0]);
+    while parts.len() < PARTS && parts.iter().any(|&n| !tree[n].is_leaf()) {
+        let (leaves, inner): (Vec<_>, Vec<_>) = parts.into_iter().partition(|&n| tree[n].is_leaf());
+        parts = leaves;
+        parts.extend(inner.iter().flat_map(|&n| [0, 1].map(|side| tree[n].first_index as usize + side)));
+        top.extend(inner);
+    }
+    (top, parts)
+}
+
+/// An inner node of the wide tree: the binary nodes that are its children, and their codes.
+struct Wide {
+    roots: [u32; WIDTH],
+    codes: [u32; WIDTH],
+    len: usize,
+}
+
+impl Wide {
+    fn push(&mut self, n: usize) {
+        self.roots[self.len] = n as u32;
+        self.len += 1;
+    }
+    fn blocks(&self) -> usize {
+        let leaves = self.codes[..self.len].iter().filter(|&code| code & LEAF != 0).count();
+        Node::BLOCKS + leaves * Leaf::BLOCKS
+    }
+}
+
+/// Inner nodes of the wide tree in depth-first order, each followed by its leaves; blocks in all; the largest depth.
+fn outline(plan: &Plan<'_>) -> (Vec<Wide>, usize, usize) {
+    let (mut wides, mut blocks, mut deepest) = (Vec::<Wide>::new(), 0, 0);
+    // Each entry: a binary node that becomes an inner node, the lane that leads to it, its depth.
+    let mut todo = vec![(0, None::<(usize, usize)>, 1)];
+    while let Some((n, parent, depth)) = todo.pop() {
+        if let Some((wide, lane)) = parent {
+            wides[wide].codes[lane] = blocks as u32;
+        }
+        deepest = deepest.max(depth);
+        let mut wide = plan.wide(n);
+        blocks += Node::BLOCKS;
+        for lane in (0..wide.len).rev() {
+            let root = wide.roots[lane] as usize;
+            if !plan.is_leaf(root) {
+                todo.push((root, Some((wides.len(), lane)), depth + 1));
+            }
+        }
+        for lane in 0..wide.len {
+            if plan.is_leaf(wide.roots[lane] as usize) {
+                wide.codes[lane] = LEAF | blocks as u32;
+                blocks += Leaf::BLOCKS;
+            }
+        }
+        wides.push(wide);
+    }
+    (wides, blocks, deepest)
+}
+
+/// Writes a node and its leaves.
+fn fill(plan: &Plan<'_>, wide: &Wide, mut out: &mut [Block], corners: &[[[f32; 3]; 3]]) {
+    let mut node = Node::empty();
+    for (lane, &root) in wide.roots[..wide.len].iter().enumerate() {
+        let bounds = plan.tree[root as usize].aabb();
+        node.set(lane, bounds.min.to_array(), bounds.max.to_array(), wide.codes[lane]);
+    }
+    out = node.write(out);
+    for (&root, &code) in wide.roots.iter().zip(&wide.codes[..wide.len]) {
+        if code & LEAF != 0 {
+            out = Leaf::new(&plan.ids(root as usize), corners).write(out);
+        }
+    }
+}
+
+/// Entries of a traversal stack that are used at most where `depth` nodes are on the longest way: each leaves at most
+/// seven, the last eight, and there may be one below all.
+fn stack_bound(depth: usize) -> usize {
+    7 * depth + 9
+}
+
+/// The 8-wide tree: nodes in depth-first order, the leaves of each right behind it.
 pub(super) fn collapse(tree: &[BinaryNode], corners: &[[[f32; 3]; 3]]) -> Bvh {
-    let mut bvh = Bvh { nodes: Vec::new(), leaves: Vec::new(), stack_bound: 2 * WIDTH };
     if tree.is_empty() {
-        return bvh;
+        return Bvh { arena: Arena::new(0), nodes: 0, leaves: 0, stack_bound: stack_bound(1) };
     }
     let plan = Plan::new(tree);
-    // Each entry: a binary node that becomes an inner node, the lane that leads to it, its depth.
-    let mut todo = vec![(0usize, None::<(usize, usize)>, 1usize)];
-    let mut roots = Vec::with_capacity(WIDTH);
-    while let Some((n, parent, depth)) = todo.pop() {
-        let index = bvh.nodes.len();
-        if let Some((node, lane)) = parent {
-            bvh.nodes[node].set_child(lane, index as u32);
-        }
-        bvh.stack_bound = bvh.stack_bound.max((depth + 2) * WIDTH);
-        roots.clear();
-        if plan.is_leaf(n) {
-            roots.push(n);
-        } else {
-            let (left, first) = (plan.split(n, WIDTH).1, tree[n].first as usize);
-            plan.roots(first, left, &mut roots);
-            plan.roots(first + 1, WIDTH - left, &mut roots);
-        }
-        let mut node = Node::empty();
-        let inner_from = todo.len();
-        for (lane, &root) in roots.iter().enumerate() {
-            let code = if plan.is_leaf(root) {
-                bvh.leaves.push(Leaf::new(&plan.ids(root), corners));
-                LEAF | (bvh.leaves.len() - 1) as u32
-            } else {
-                todo.push((root, Some((index, lane)), depth + 1));
-                0
-            };
-            node.set(lane, tree[root].lo, tree[root].hi, code);
-        }
-        todo[inner_from..].reverse();
-        bvh.nodes.push(node);
+    let (wides, blocks, deepest) = outline(&plan);
+    let mut arena = Arena::new(blocks);
+    let mut rest = arena.blocks_mut();
+    let mut tasks = Vec::with_capacity(wides.len());
+    for wide in &wides {
+        let (own, behind) = rest.split_at_mut(wide.blocks());
+        tasks.push((wide, own));
+        rest = behind;
     }
-    bvh
+    tasks.into_par_iter().for_each(|(wide, own)| fill(&plan, wide, own, corners));
+    let leaves = (blocks - wides.len() * Node::BLOCKS) / Leaf::BLOCKS;
+    Bvh { arena, nodes: wides.len(), leaves, stack_bound: stack_bound(deepest) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::build::binary_tree;
+    use super::super::sah::DEPTH;
+    use super::super::{BuildOptions, Quality, STACK};
     use super::*;
-    use crate::lanes::{Lanes, LanesU32};
+    use crate::lanes::{F32x8, Lanes, LanesU32};
 
     /// Every triangle is reached, within its boxes, and no leaf or node is larger than its lanes.
     #[test]
@@ -162,22 +246,92 @@ mod tests {
                     [p, [p[0] + 0.02, p[1], p[2]], [p[0], p[1] + 0.03, p[2] + 0.01]]
                 })
                 .collect();
-            let bvh = collapse(&binary_tree(&corners), &corners);
+            let bvh = collapse(&binary_tree(&corners, Quality::Best, true), &corners);
             let mut seen = vec![false; count];
-            let mut todo: Vec<u32> = if bvh.nodes.is_empty() { vec![] } else { vec![0] };
+            let mut todo: Vec<u32> = if bvh.is_empty() { vec![] } else { vec![0] };
             while let Some(n) = todo.pop() {
-                let node = &bvh.nodes[n as usize];
-                let (low, high, child) = (node.planes(0).array(), node.planes(3).array(), node.children().array());
+                let node = bvh.tree().node(n);
+                let planes = |row| node.row::<F32x8>(row).array();
+                let (low, high, child) = (planes(0), planes(3), node.children::<F32x8>().array());
                 for lane in (0..8).filter(|&l| low[l] <= high[l]) {
                     if child[lane] & LEAF == 0 {
                         todo.push(child[lane]);
                     } else {
-                        let leaf = &bvh.leaves[(child[lane] & !LEAF) as usize];
-                        leaf.id.iter().for_each(|&id| seen[id as usize] = true);
+                        (0..8).for_each(|i| seen[bvh.tree().leaf(child[lane]).id(i) as usize] = true);
                     }
                 }
             }
             assert!(seen.iter().all(|&s| s), "{count} triangles");
         }
+    }
+
+    fn shells(count: usize) -> Vec<[[f32; 3]; 3]> {
+        (1..=count).map(|i| i as f32).map(|s| [[-s, -s, -s], [s, s, -s], [0.0, 0.0, s]]).collect()
+    }
+
+    /// The same bytes on any number of threads.
+    #[test]
+    fn does_not_depend_on_threads() {
+        let cloud: Vec<[[f32; 3]; 3]> = (0..60_000)
+            .map(|i| {
+                let p = [(i as f32 * 0.37).sin(), (i as f32 * 0.73).cos(), (i as f32 * 0.11).sin()];
+                let size = if i % 100 == 0 { 0.3 } else { 0.01 };
+                [p, [p[0] + size, p[1], p[2]], [p[0], p[1] + size, p[2] + size]]
+            })
+            .collect();
+        for corners in [cloud, shells(5000)] {
+            for quality in [Quality::Fast, Quality::Balanced, Quality::Best] {
+                let [one, two, five] =
+                    [1, 2, 5].map(|threads| Bvh::build_with(&corners, &BuildOptions { quality, threads }).unwrap());
+                let bytes = |bvh: &Bvh| bytemuck::cast_slice::<Block, u8>(bvh.arena.blocks()).to_vec();
+                assert!(bytes(&one) == bytes(&two) && bytes(&one) == bytes(&five), "{quality:?}");
+            }
+        }
+    }
+
+    /// Nodes on the longest way through a binary tree.
+    fn depth(tree: &[BinaryNode]) -> usize {
+        let (mut deepest, mut todo) = (0, vec![(0, 1)]);
+        while let Some((n, depth)) = todo.pop() {
+            deepest = deepest.max(depth);
+            if !tree[n].is_leaf() {
+                let first = tree[n].first_index as usize;
+                todo.extend([(first, depth + 1), (first + 1, depth + 1)]);
+            }
+        }
+        deepest
+    }
+
+    /// No input makes a way longer than the traversal stacks are made for.
+    #[test]
+    fn depth_is_bounded() {
+        let line = |x: f32| [[x, 0.0, 0.0], [x + 0.5, 0.0, 0.0], [x, 0.5, 0.0]];
+        let scaled = |s: f32| [[s, s, s], [s * 1.1, s, s], [s, s * 1.1, s]];
+        let cases = [
+            ("coincident", vec![line(0.0); 100_000]),
+            ("nested", shells(100_000)),
+            ("evenly spaced", (0..100_000).map(|i| line(i as f32)).collect()),
+            ("farther and farther apart", (0..100_000).map(|i| line(i as f32 * i as f32)).collect()),
+            ("growing exponentially", (0..20_000).map(|i| scaled((2.0f32).powf(i as f32 * 0.012 - 120.0))).collect()),
+            ("exponentially apart", (0..20_000).map(|i| line((1.9f32).powi(i / 200 - 40))).collect()),
+            (
+                "the same, nested",
+                (0..100).map(|i| 2.0f32.powi(i - 70)).flat_map(|s| [[[-s; 3], [s; 3], [s, 0.0, -s]]; 99]).collect(),
+            ),
+        ];
+        let mut deepest = 0;
+        for (name, corners) in cases {
+            for quality in [Quality::Fast, Quality::Balanced] {
+                let found = depth(&binary_tree(&corners, quality, false));
+                assert!(found <= DEPTH as usize, "{name}, {quality:?}: {found}");
+                deepest = deepest.max(found);
+            }
+            for quality in [Quality::Fast, Quality::Balanced, Quality::Best] {
+                let bvh = Bvh::build_with(&corners, &BuildOptions { quality, threads: 2 }).unwrap();
+                assert!(bvh.stack_bound <= STACK, "{name}, {quality:?}: {}", bvh.stack_bound);
+            }
+        }
+        assert!(stack_bound(DEPTH as usize) <= STACK);
+        assert!(deepest > 40, "only {deepest}: nothing here comes near the bound");
     }
 }

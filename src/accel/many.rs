@@ -2,231 +2,259 @@
 //! all that stand at an inner node take one step, then all that stand at a leaf. Steps of different rays do not wait for
 //! each other, so that the latency of memory and of the sorting network is hidden behind the others.
 
-use super::layout::Node;
-use super::ray::{Prepared, Prepared8, RayLanes};
-use super::single::{boxes, distances, keys, sort};
+use super::boxes::{distances, enter, keys, nearest, order};
+use super::ray::{Prepared, Prepared8, RaySource};
 use super::triangle::{any_in_leaf, closest_in_leaf};
-use super::{Bvh, Hit, LEAF, Ray};
+use super::{Bvh, Hit, Ray, STACK, Tree};
 use crate::columns::Rows;
-use crate::lanes::{F32x8, Lanes, LanesU32, MAX_LANES, Mask, U32x8, Vec3};
+use crate::lanes::{Kernel, LanesU32, MAX_LANES, Mask, Wide, WideU32, dispatch};
+use std::hint::select_unpredictable;
 
-/// Rays in flight.
+/// Rays in flight; a power of two.
 const SLOTS: usize = 16;
-/// Bottom of every stack: the ray is done.
-const DONE: u32 = LEAF - 1;
+/// Trees above this size are not in the nearest cache: steps ask for memory ahead, and do not wait for each other.
+const LARGE_BYTES: usize = 1 << 15;
+/// Stands at the bottom of every stack: the ray is done.
+const DONE: u32 = u32::MAX;
+/// First entry of a stack: before it stand as many that say the ray is done as are looked at at a time.
+const BOTTOM: usize = MAX_LANES;
 
-#[derive(Clone, Copy, Debug)]
+/// A ray in flight and its stack of nodes and leaves yet to visit.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
 struct Slot {
     prepared: Prepared,
     hit: Hit,
     /// Where the ray stands: a child code.
     at: u32,
-    /// First free entry of its stack.
-    top: usize,
     /// Number of the ray in the batch.
-    ray: usize,
+    ray: u32,
+    /// First free entry of the stack.
+    top: usize,
+    keys: [u32; STACK],
+    codes: [u32; STACK],
 }
 
-/// Slots that stand at the same sort of place.
-#[derive(Clone, Copy, Debug, Default)]
-struct List {
-    slots: [u8; SLOTS],
-    len: usize,
-}
+/// Slots by bits.
+type Set = u32;
 
-impl List {
-    #[inline(always)]
-    fn push_if(&mut self, slot: usize, condition: bool) {
-        self.slots[self.len & (SLOTS - 1)] = slot as u8;
-        self.len += usize::from(condition);
-    }
-}
-
-/// Slots by where they stand.
-#[derive(Clone, Copy, Debug, Default)]
-struct Work {
-    inner: List,
-    leaf: List,
-    done: List,
-}
-
-impl Work {
-    /// Files a slot by its code, without a branch.
-    #[inline(always)]
-    fn file(&mut self, slot: usize, code: u32) {
-        let leaf = code & LEAF != 0;
-        let done = code == DONE;
-        self.leaf.push_if(slot, leaf);
-        self.done.push_if(slot, done);
-        self.inner.push_if(slot, !leaf & !done);
-    }
+/// Takes the first slot out of a set that is not empty.
+#[inline(always)]
+fn take(set: &mut Set) -> usize {
+    let slot = set.trailing_zeros() as usize;
+    *set &= *set - 1;
+    slot & (SLOTS - 1)
 }
 
 /// Traces batches of rays; holds its stacks between batches.
 #[derive(Clone, Debug)]
 pub struct Many {
-    slots: Vec<Slot>,
-    keys: Vec<u32>,
-    codes: Vec<u32>,
-    stride: usize,
+    slots: Box<[Slot; SLOTS]>,
     /// The next rays of the batch.
     ready: Prepared8,
 }
 
-/// Rays of a slice, as a batch wants them.
-pub fn from_slice(rays: &[Ray]) -> impl Fn(&Rows) -> RayLanes<F32x8> {
-    |rows| RayLanes {
-        origin: Vec3::from_fn(|i| rays[rows.at(i)].origin),
-        direction: Vec3::from_fn(|i| rays[rows.at(i)].direction),
-        t_max: F32x8::from_fn(|i| rays[rows.at(i)].t_max),
+impl Default for Many {
+    fn default() -> Self {
+        let ray = Ray { origin: [0.0; 3], direction: [1.0; 3], t_max: 0.0 };
+        let slot = Slot {
+            prepared: Prepared::new(&ray),
+            hit: Hit::miss(0.0),
+            at: DONE,
+            ray: 0,
+            top: BOTTOM,
+            keys: [0; STACK],
+            codes: [DONE; STACK],
+        };
+        Self { slots: Box::new(std::array::from_fn(|_| slot.clone())), ready: Prepared8::empty() }
     }
 }
 
 impl Many {
-    /// Room for any batch on `bvh`.
-    pub fn new(bvh: &Bvh) -> Self {
-        let ray = Ray { origin: [0.0; 3], direction: [1.0; 3], t_max: 0.0 };
-        let slot = Slot { prepared: Prepared::new(&ray), hit: Hit::miss(0.0), at: 0, top: 0, ray: 0 };
-        let stride = bvh.stack_bound + 1;
-        Self {
-            slots: vec![slot; SLOTS],
-            keys: vec![0; SLOTS * stride],
-            codes: vec![DONE; SLOTS * stride],
-            stride,
-            ready: Prepared8::empty(),
-        }
+    /// Room for any batch.
+    pub fn new() -> Self {
+        Self::default()
     }
 
-    /// Calls `found(i, hit)` with the nearest hit of each of `count` rays, in any order; `rays` gives them by rows.
-    pub fn closest(
+    /// Calls `found(i, hit)` with the nearest hit of each of `count` rays, in any order.
+    pub fn closest<R: RaySource + ?Sized>(&mut self, bvh: &Bvh, count: usize, rays: &R, found: impl FnMut(usize, Hit)) {
+        dispatch(Batch::<_, _, _, false> { tracer: self, bvh, count, rays, found });
+    }
+
+    /// Calls `found(i, hit)` with whether each of `count` rays hits anything, in any order.
+    pub fn any<R: RaySource + ?Sized>(
         &mut self,
         bvh: &Bvh,
         count: usize,
-        rays: impl Fn(&Rows) -> RayLanes<F32x8>,
-        found: impl FnMut(usize, Hit),
-    ) {
-        self.trace::<false>(bvh, count, rays, found);
-    }
-
-    /// Calls `found(i, hit)` with whether each of `count` rays hits anything, in any order; `rays` gives them by rows.
-    pub fn any(
-        &mut self,
-        bvh: &Bvh,
-        count: usize,
-        rays: impl Fn(&Rows) -> RayLanes<F32x8>,
+        rays: &R,
         mut found: impl FnMut(usize, bool),
     ) {
-        self.trace::<true>(bvh, count, rays, |i, hit| found(i, hit.is_some()));
+        let found = |i, hit: Hit| found(i, hit.is_some());
+        dispatch(Batch::<_, _, _, true> { tracer: self, bvh, count, rays, found });
     }
 
-    fn trace<const ANY: bool>(
+    /// [`Self::closest`], or [`Self::any`] with a hit of any kind, in lanes of form `W`.
+    #[inline(always)]
+    pub(crate) fn trace<W: Wide, const ANY: bool>(
         &mut self,
         bvh: &Bvh,
         count: usize,
-        rays: impl Fn(&Rows) -> RayLanes<F32x8>,
+        rays: &(impl RaySource + ?Sized),
         mut found: impl FnMut(usize, Hit),
     ) {
-        if bvh.nodes.is_empty() {
-            (0..count).for_each(|i| found(i, Hit::miss(rays(&Rows::range(i, 1)).t_max.array()[0])));
+        if bvh.is_empty() {
+            (0..count).for_each(|i| found(i, Hit::miss(rays.rays::<f32>(&Rows::range(i, 1)).t_max)));
             return;
         }
-        let mut work = Work::default();
-        let mut next = 0;
-        (0..SLOTS).for_each(|s| work.done.push_if(s, true));
-        let mut idle = std::mem::take(&mut work.done);
-        loop {
-            // Refill, then step all rays at inner nodes, then all at leaves.
-            for k in 0..idle.len {
-                if next < count {
-                    let s = idle.slots[k] as usize;
-                    if next % MAX_LANES == 0 {
-                        self.ready.fill(&rays(&Rows::range(next, MAX_LANES.min(count - next))));
-                    }
-                    self.start(s, next);
-                    work.inner.push_if(s, true);
-                    next += 1;
-                }
-            }
-            let (inner, leaf) = (work.inner, work.leaf);
-            if inner.len + leaf.len == 0 {
-                return;
-            }
-            work = Work::default();
-            for k in 0..inner.len {
-                let s = inner.slots[k] as usize;
-                let at = self.step_inner::<ANY>(bvh, s);
-                work.file(s, at);
-            }
-            for k in 0..leaf.len {
-                let s = leaf.slots[k] as usize;
-                let at = self.step_leaf::<ANY>(bvh, s);
-                work.file(s, at);
-            }
-            for k in 0..work.done.len {
-                let slot = &self.slots[work.done.slots[k] as usize];
-                found(slot.ray, slot.hit);
-            }
-            idle = work.done;
+        if bvh.bytes() > LARGE_BYTES {
+            self.fly::<W, ANY, true>(bvh.tree(), count, rays, found);
+        } else {
+            self.fly::<W, ANY, false>(bvh.tree(), count, rays, found);
         }
     }
 
     #[inline(always)]
-    fn start(&mut self, s: usize, number: usize) {
-        let slot = &mut self.slots[s];
-        self.ready.copy_to(number % MAX_LANES, &mut slot.prepared);
-        slot.hit = Hit::miss(slot.prepared.t_max);
-        slot.at = 0;
-        // The stack's first entry says that the ray is done, and stays.
-        slot.top = s * self.stride + 1;
-        slot.ray = number;
+    fn fly<W: Wide, const ANY: bool, const LARGE: bool>(
+        &mut self,
+        tree: Tree,
+        count: usize,
+        rays: &(impl RaySource + ?Sized),
+        mut found: impl FnMut(usize, Hit),
+    ) {
+        let Self { slots, ready } = self;
+        let mut next = 0;
+        let (mut inner, mut leaf, mut waiting, mut idle): (Set, Set, Set, Set) =
+            (0, 0, 0, ((1u64 << SLOTS) - 1) as Set);
+        loop {
+            // Refill, then step all rays at inner nodes, then all at leaves.
+            while idle != 0 && next < count {
+                if next % MAX_LANES == 0 {
+                    ready.fill::<W>(&rays.rays(&Rows::range(next, MAX_LANES.min(count - next))));
+                }
+                let s = take(&mut idle);
+                slots[s].start(ready, next);
+                inner |= 1 << s;
+                next += 1;
+            }
+            if inner | leaf | waiting == 0 {
+                return;
+            }
+            let (mut todo, mut to_leaf) = (inner, 0);
+            while todo != 0 {
+                let s = take(&mut todo);
+                let at = slots[s].step_inner::<W, ANY, LARGE>(tree);
+                to_leaf |= (at >> 31) << s;
+            }
+            if !LARGE {
+                leaf |= to_leaf;
+            }
+            let (mut todo, mut to_inner) = (leaf, 0);
+            while todo != 0 {
+                let s = take(&mut todo);
+                let slot = &mut slots[s];
+                if slot.at == DONE {
+                    found(slot.ray as usize, slot.hit);
+                    idle |= 1 << s;
+                    continue;
+                }
+                let at = slot.step_leaf::<W, ANY, LARGE>(tree);
+                to_inner |= (at >> 31 ^ 1) << s;
+            }
+            inner &= !to_leaf;
+            leaf &= !(to_inner | idle);
+            if LARGE {
+                // What the last steps found out is used a phase later: to wait for it would leave the processor idle.
+                inner |= waiting;
+                leaf |= to_leaf;
+                waiting = to_inner;
+            } else {
+                inner |= to_inner;
+            }
+        }
+    }
+}
+
+/// A batch of rays for a kernel.
+pub(super) struct Batch<'a, T, R: ?Sized, F, const ANY: bool> {
+    pub tracer: &'a mut T,
+    pub bvh: &'a Bvh,
+    pub count: usize,
+    pub rays: &'a R,
+    pub found: F,
+}
+
+impl<R: RaySource + ?Sized, F: FnMut(usize, Hit), const ANY: bool> Kernel for Batch<'_, Many, R, F, ANY> {
+    type Out = ();
+    #[inline(always)]
+    fn run<W: Wide>(self) {
+        self.tracer.trace::<W, ANY>(self.bvh, self.count, self.rays, self.found);
+    }
+}
+
+impl Slot {
+    #[inline(always)]
+    fn start(&mut self, ready: &Prepared8, number: usize) {
+        ready.copy_to(number % MAX_LANES, &mut self.prepared);
+        self.hit = Hit::miss(self.prepared.t_max());
+        self.at = 0;
+        self.top = BOTTOM;
+        self.ray = number as u32;
     }
 
     /// Enters a node: pushes the children that the ray meets, nearest on top, and goes to what is on top then.
     #[inline(always)]
-    fn step_inner<const ANY: bool>(&mut self, bvh: &Bvh, s: usize) -> u32 {
-        let slot = &mut self.slots[s];
-        let node: &Node = &bvh.nodes[slot.at as usize];
-        let (mask, near) = boxes(node, &slot.prepared, slot.hit.t);
-        let bits = mask.bits();
-        let child = node.children();
-        if ANY {
-            child.pack(bits).store(&mut self.codes[slot.top..]);
+    fn step_inner<W: Wide, const ANY: bool, const LARGE: bool>(&mut self, tree: Tree) -> u32 {
+        let node = tree.node(self.at);
+        let (hit, near) = enter::<W>(node, &self.prepared, self.hit.t);
+        let (bits, top, child) = (hit.bits(), self.top, node.children::<W>());
+        // What will be on top is found beside the sort, not read back from the stack, which would wait for it.
+        let below = self.codes[top - 1];
+        let first = if ANY {
+            child.pack(bits).store(&mut self.codes[top..]);
+            bits.checked_ilog2().unwrap_or(0)
         } else {
-            let sorted = sort(keys(mask, near));
-            sorted.store(&mut self.keys[slot.top..]);
-            child.permute(sorted).store(&mut self.codes[slot.top..]);
+            let keys = keys::<W>(hit, near);
+            let first = nearest::<W>(hit, keys);
+            let sorted = order(keys, bits);
+            sorted.store(&mut self.keys[top..]);
+            child.permute(sorted).store(&mut self.codes[top..]);
+            first
+        };
+        let first = node.child(first as usize);
+        self.top = top + bits.count_ones() as usize - 1;
+        self.at = select_unpredictable(bits == 0, below, first);
+        if LARGE {
+            tree.prefetch(self.at);
         }
-        slot.top = slot.top + bits.count_ones() as usize - 1;
-        slot.at = self.codes[slot.top];
-        slot.at
+        self.at
     }
 
-    /// Tests a leaf; on a hit, drops what lies behind it from the stack.
+    /// Tests a leaf, and goes to what is on top of the stack and not behind a hit.
     #[inline(always)]
-    fn step_leaf<const ANY: bool>(&mut self, bvh: &Bvh, s: usize) -> u32 {
-        let slot = &mut self.slots[s];
-        let leaf = &bvh.leaves[(slot.at & !LEAF) as usize];
-        let bottom = s * self.stride + 1;
+    fn step_leaf<W: Wide, const ANY: bool, const LARGE: bool>(&mut self, tree: Tree) -> u32 {
+        let leaf = tree.leaf(self.at);
         if ANY {
-            if any_in_leaf(leaf, &slot.prepared, slot.hit.t) {
-                slot.hit.triangle = 0;
-                slot.top = bottom;
+            let hit = any_in_leaf::<W>(leaf, &self.prepared, self.hit.t);
+            self.hit.triangle = select_unpredictable(hit, 0, self.hit.triangle);
+            self.top = select_unpredictable(hit, BOTTOM, self.top) - 1;
+        } else {
+            self.hit = closest_in_leaf::<W>(leaf, &self.prepared, &self.hit);
+            // What lies behind the hit is dropped from the top, up to eight entries at a time.
+            let t = W::splat(self.hit.t);
+            loop {
+                let from = self.top - MAX_LANES;
+                let live = distances::<W>(W::Uint::load(&self.keys[from..])).le(t).bits();
+                self.top = from;
+                if live != 0 {
+                    self.top += live.ilog2() as usize;
+                    break;
+                }
             }
-        } else if closest_in_leaf(leaf, &slot.prepared, &mut slot.hit) {
-            // Eight entries at a time: a loop over single ones ends at a different place each time.
-            let mut kept = bottom;
-            for i in (bottom..slot.top).step_by(MAX_LANES) {
-                let (keys, codes) = (U32x8::load(&self.keys[i..]), U32x8::load(&self.codes[i..]));
-                let live = (1u32 << MAX_LANES.min(slot.top - i)) - 1;
-                let near = distances(keys).le(F32x8::splat(slot.hit.t)).bits() & live;
-                keys.pack(near).store(&mut self.keys[kept..]);
-                codes.pack(near).store(&mut self.codes[kept..]);
-                kept += near.count_ones() as usize;
-            }
-            slot.top = kept;
         }
-        slot.top -= 1;
-        slot.at = self.codes[slot.top];
-        slot.at
+        self.at = self.codes[self.top];
+        if LARGE {
+            tree.prefetch(self.at);
+        }
+        self.at
     }
 }

@@ -3,20 +3,31 @@
 //! All kernels give the same hits to the last bit: the triangle test is one function, boxes are padded against
 //! rounding, and of equally near triangles the one with the smallest id is taken.
 
+mod arena;
+mod bounds;
+mod boxes;
 mod brute;
 mod build;
 mod collapse;
+mod group;
 mod layout;
 mod many;
+mod parallel;
 mod ray;
+mod sah;
 mod single;
+mod tile;
 mod triangle;
 
 pub use brute::brute_force;
-pub use many::{Many, from_slice};
-pub use ray::RayLanes;
+pub use many::Many;
+pub use ray::{RayLanes, RaySource};
 pub use single::Single;
+pub use tile::Tiles;
 
+use crate::error::Result;
+use crate::lanes::prefetch_lines;
+use arena::{Arena, Block};
 use layout::{Leaf, Node};
 
 /// A ray: points `origin + t direction` for t in (0, `t_max`).
@@ -56,30 +67,103 @@ impl Hit {
     }
 }
 
-/// Top bit of a child code: the rest counts leaves, not nodes.
+/// Top bit of a child code: a leaf. The rest is the index of its first block.
 const LEAF: u32 = 1 << 31;
+
+/// What the build is for: its own time, or that of the rays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Quality {
+    /// Little time before the first ray.
+    Fast,
+    /// Pays for itself within a preview.
+    #[default]
+    Balanced,
+    /// Pays for itself in long renders.
+    Best,
+}
+
+/// How a tree is built.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BuildOptions {
+    /// What the build is for.
+    pub quality: Quality,
+    /// Threads at most; 0 for all cores. The tree is the same on any number of them.
+    pub threads: usize,
+}
+
+/// Nodes and leaves by their codes.
+#[derive(Clone, Copy)]
+struct Tree<'a> {
+    blocks: &'a [Block],
+}
+
+impl<'a> Tree<'a> {
+    /// The inner node of a child code without the [`LEAF`] bit; the root is 0.
+    #[inline(always)]
+    fn node(self, code: u32) -> &'a Node {
+        Node::at(self.blocks, code as usize)
+    }
+    /// The leaf of a child code with the [`LEAF`] bit.
+    #[inline(always)]
+    fn leaf(self, code: u32) -> &'a Leaf {
+        Leaf::at(self.blocks, (code & !LEAF) as usize)
+    }
+    /// Asks for the memory of what a child code leads to.
+    #[inline(always)]
+    fn prefetch(self, code: u32) {
+        prefetch_lines::<Block, { Leaf::BLOCKS }>(self.blocks, (code & !LEAF) as usize);
+    }
+}
+
+/// Entries of a traversal stack: each node on the way leaves at most seven, [`sah::DEPTH`] are on it, and eight are
+/// written at a time.
+const STACK: usize = 512;
 
 /// The tree over a world's triangles.
 #[derive(Clone, Debug)]
 pub struct Bvh {
-    nodes: Vec<Node>,
-    leaves: Vec<Leaf>,
+    arena: Arena,
+    nodes: usize,
+    leaves: usize,
     /// Entries that a traversal stack can hold at most.
     stack_bound: usize,
 }
 
 impl Bvh {
-    /// Builds the tree. Corners are finite.
+    /// Builds the tree on all cores. Corners are finite.
     pub fn build(corners: &[[[f32; 3]; 3]]) -> Self {
-        let tree = build::binary_tree(corners);
-        collapse::collapse(&tree, corners)
+        let options = BuildOptions::default();
+        // Where threads of its own cannot be had, those that the process shares have to do.
+        Self::build_with(corners, &options).unwrap_or_else(|_| Self::grow(corners, options.quality))
+    }
+    /// Builds the tree. Corners are finite.
+    ///
+    /// # Errors
+    /// [`Error::Setting`](crate::error::Error::Setting) if the system cannot start that many threads.
+    pub fn build_with(corners: &[[[f32; 3]; 3]], options: &BuildOptions) -> Result<Self> {
+        parallel::within(options.threads, || Self::grow(corners, options.quality))
+    }
+    fn grow(corners: &[[[f32; 3]; 3]], quality: Quality) -> Self {
+        let collapsed = |reinserted| collapse::collapse(&build::binary_tree(corners, quality, reinserted), corners);
+        let bvh = collapsed(quality == Quality::Best);
+        // Reinsertion may leave a way that is too long; the tree before it has none.
+        if bvh.stack_bound <= STACK { bvh } else { collapsed(false) }
+    }
+    /// Whether there is no triangle, and so no node.
+    fn is_empty(&self) -> bool {
+        self.nodes == 0
+    }
+    /// What a traversal fetches from, once per batch.
+    #[inline(always)]
+    fn tree(&self) -> Tree<'_> {
+        Tree { blocks: self.arena.blocks() }
     }
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.nodes.len() * size_of::<Node>() + self.leaves.len() * size_of::<Leaf>()
+        size_of_val(self.arena.blocks())
     }
     /// Number of inner nodes and of leaves.
     pub fn counts(&self) -> (usize, usize) {
-        (self.nodes.len(), self.leaves.len())
+        (self.nodes, self.leaves)
     }
 }

@@ -1,15 +1,19 @@
 //! The table of verbs and options.
 
-use super::choices::{Integrator, Method, Sampler, ToneMap};
+use super::choices::{Integrator, Method, Quality, Sampler, ToneMap, UpAxis};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, value_parser};
 use std::path::PathBuf;
 use std::sync::LazyLock;
+use wavetrace::DVec3;
+use wavetrace::accel::BuildOptions;
+use wavetrace::bench::{Kernel, Options, SetKind, View};
 use wavetrace::camera::Camera;
 use wavetrace::lanes;
 use wavetrace::output::Tone;
 use wavetrace::render::{DEFAULT_WAVE, MAX_THREADS, MAX_WAVE, Settings};
 
-static VERSION: LazyLock<String> = LazyLock::new(|| format!("{} (SIMD: {})", env!("CARGO_PKG_VERSION"), lanes::SIMD));
+static VERSION: LazyLock<String> = LazyLock::new(|| format!("{} (SIMD: {})", env!("CARGO_PKG_VERSION"), lanes::simd()));
 
 const EXAMPLES: &str = "\
 Examples:
@@ -17,6 +21,7 @@ Examples:
   wavetrace scene.json 256 -o image.png     256 samples per pixel
   wavetrace scene.json 64 -o a.exr -o a.png --size 1920x1080 --stats a.json
   wavetrace check scene.json                are there mistakes, and what is in it?
+  wavetrace bench rays mesh.obj             how fast are rays traced?
   wavetrace ./check                         a scene file that is called like a verb
 
 Exit codes: 0 done; 1 the scene or a file is at fault; 2 the command line is; 130 interrupted (what was
@@ -53,6 +58,103 @@ pub struct Cli {
 pub enum Verb {
     /// Load a scene and its meshes; show all mistakes, or what is in it
     Check(CheckArgs),
+    /// Measure how fast rays are traced
+    #[command(
+        subcommand,
+        subcommand_help_heading = "What is measured",
+        subcommand_value_name = "WHAT",
+        disable_help_subcommand = true
+    )]
+    Bench(Bench),
+}
+
+/// What `wavetrace bench` measures.
+#[derive(Debug, Subcommand)]
+pub enum Bench {
+    /// Rays per second on sets of rays in a mesh
+    Rays(RaysArgs),
+}
+
+/// Arguments of `wavetrace bench rays`.
+#[derive(Debug, Args)]
+pub struct RaysArgs {
+    /// The mesh; all its objects are one
+    #[arg(value_name = "MESH.obj")]
+    pub mesh: PathBuf,
+    /// Which sets, separated by commas [default: all, or all that --load finds]
+    #[arg(long, value_name = "SETS", value_delimiter = ',', value_parser = set_kind())]
+    pub rays: Vec<SetKind>,
+    /// Pixels across and down, a multiple of 8
+    #[arg(long, value_name = "N", default_value_t = Options::default().res, allow_negative_numbers = true)]
+    pub res: u32,
+    /// Eye, direction and angle across the image in degrees: ox,oy,oz,dx,dy,dz,fov [default: chosen by the mesh]
+    #[arg(long, value_name = "CAMERA", value_parser = view, allow_hyphen_values = true)]
+    pub camera: Option<View>,
+    /// Which axis points up
+    #[arg(long, value_name = "AXIS", value_enum, default_value_t)]
+    pub up: UpAxis,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", default_value_t = Options::default().seed, allow_negative_numbers = true)]
+    pub seed: u64,
+    /// Trace the files SET.rays of this folder instead of making rays
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["res", "camera", "up", "seed"])]
+    pub load: Option<PathBuf>,
+    /// Write SET.rays and SET.hits into this folder
+    #[arg(long, value_name = "DIR")]
+    pub dump: Option<PathBuf>,
+    /// How rays are traced
+    #[arg(long, value_name = "KERNEL", default_value = Kernel::default().name(), value_parser = kernel())]
+    pub kernel: Kernel,
+    /// Threads, each on a CPU of its own where there are as many
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=MAX_THREADS as i64), default_value_t = 1,
+        allow_negative_numbers = true)]
+    pub threads: u32,
+    /// How often each set is timed
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1000), default_value_t = 5,
+        allow_negative_numbers = true)]
+    pub repeats: u32,
+    /// Figures as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl RaysArgs {
+    /// The sets that were asked for, each once, in the order of reports.
+    pub fn kinds(&self) -> Vec<SetKind> {
+        SetKind::ALL.into_iter().filter(|kind| self.rays.is_empty() || self.rays.contains(kind)).collect()
+    }
+    /// How rays are made.
+    pub fn options(&self) -> Options {
+        Options { res: self.res, seed: self.seed, up: self.up.into(), view: self.camera }
+    }
+}
+
+/// A value that is one of a few names, as what the name stands for.
+fn named<T: Clone + Send + Sync + 'static>(
+    names: impl IntoIterator<Item = &'static str>,
+    of: fn(&str) -> Option<T>,
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(names.into_iter().collect::<Vec<_>>())
+        .try_map(move |name| of(&name).ok_or("no such name".to_owned()))
+}
+
+fn set_kind() -> impl TypedValueParser<Value = SetKind> {
+    named(SetKind::ALL.map(SetKind::name), SetKind::from_name)
+}
+
+fn kernel() -> impl TypedValueParser<Value = Kernel> {
+    named(Kernel::ALL.iter().map(|kernel| kernel.1), Kernel::from_name)
+}
+
+/// `ox,oy,oz,dx,dy,dz,fov`.
+fn view(text: &str) -> Result<View, String> {
+    let numbers: Vec<f64> = text.split(',').map_while(|word| word.trim().parse().ok()).collect();
+    match (numbers.as_slice(), text.split(',').count()) {
+        (&[ox, oy, oz, dx, dy, dz, fov], 7) => {
+            Ok(View { eye: DVec3::new(ox, oy, oz), direction: DVec3::new(dx, dy, dz), fov })
+        }
+        _ => Err("expected seven numbers: ox,oy,oz,dx,dy,dz,fov".to_owned()),
+    }
 }
 
 /// Arguments of `wavetrace check`.
@@ -114,6 +216,9 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", default_value_t = DEFAULT_WAVE as u32, allow_negative_numbers = true,
         value_parser = value_parser!(u32).range(1..=MAX_WAVE as i64), help_heading = "Machine")]
     pub wave: u32,
+    /// What the tree over the triangles is built for; changes the speed, not the image
+    #[arg(long, value_name = "QUALITY", value_enum, default_value_t, help_heading = "Machine")]
+    pub bvh: Quality,
     /// Which integrator runs
     #[arg(long, value_name = "INTEGRATOR", value_enum, default_value_t, help_heading = "Machine")]
     pub integrator: Integrator,
@@ -150,6 +255,10 @@ impl RenderArgs {
             integrator: self.integrator.into(),
             time_stages: self.stats.is_some(),
         }
+    }
+    /// How the tree is built.
+    pub fn build_options(&self) -> BuildOptions {
+        BuildOptions { quality: self.bvh.into(), threads: self.threads.unwrap_or(0) as usize }
     }
     /// How 8-bit images show radiance.
     pub fn tone(&self) -> Tone {
@@ -204,6 +313,9 @@ mod tests {
         let parse =
             |args: &[&str]| Cli::try_parse_from([&["wavetrace", "a.json"], args].concat()).unwrap().render.unwrap();
         assert_eq!(parse(&[]).settings(), Settings::default());
+        assert_eq!(parse(&[]).build_options(), BuildOptions::default());
+        let built = parse(&["--bvh", "best", "--threads", "3"]).build_options();
+        assert_eq!(built, BuildOptions { quality: wavetrace::accel::Quality::Best, threads: 3 });
         let args = parse(&[
             "9",
             "--seed",

@@ -1,7 +1,7 @@
 //! Options whose value is one of a few words. The words appear in `--help`, in `--stats` and in image files.
 
 use clap::ValueEnum;
-use wavetrace::{output, render, wave};
+use wavetrace::{accel, bench, output, render, wave};
 
 /// Light transport, `--method`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -35,6 +35,18 @@ pub enum Integrator {
     Reference,
 }
 
+/// What the tree is built for, `--bvh`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Quality {
+    /// Little time before the first ray
+    Fast,
+    /// Pays for itself within a preview
+    #[default]
+    Balanced,
+    /// Pays for itself in long renders
+    Best,
+}
+
 /// What becomes of values above 1 in 8-bit images, `--tonemap`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum ToneMap {
@@ -43,6 +55,18 @@ pub enum ToneMap {
     Clamp,
     /// The image is divided by its largest component
     Max,
+}
+
+/// Which axis points up, `--up`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum UpAxis {
+    /// The first
+    X,
+    /// The second
+    #[default]
+    Y,
+    /// The third
+    Z,
 }
 
 /// The word that stands for a choice.
@@ -78,11 +102,31 @@ impl From<Integrator> for render::Integrator {
     }
 }
 
+impl From<Quality> for accel::Quality {
+    fn from(quality: Quality) -> Self {
+        match quality {
+            Quality::Fast => Self::Fast,
+            Quality::Balanced => Self::Balanced,
+            Quality::Best => Self::Best,
+        }
+    }
+}
+
 impl From<ToneMap> for output::ToneMap {
     fn from(map: ToneMap) -> Self {
         match map {
             ToneMap::Clamp => Self::Clamp,
             ToneMap::Max => Self::Max,
+        }
+    }
+}
+
+impl From<UpAxis> for bench::Axis {
+    fn from(axis: UpAxis) -> Self {
+        match axis {
+            UpAxis::X => Self::X,
+            UpAxis::Y => Self::Y,
+            UpAxis::Z => Self::Z,
         }
     }
 }

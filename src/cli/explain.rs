@@ -14,11 +14,11 @@ use wavetrace::render::Renderer;
 pub fn run(args: &RenderArgs) -> Result<Exit, Exit> {
     let console = Console::new(args.quiet, args.strict);
     let scene = load(&args.scene, args.size, &console)?;
-    let renderer = Renderer::new(scene.world);
+    let renderer = Renderer::with_options(scene.world, &args.build_options()).map_err(|error| console.fail(&error))?;
     let plan = renderer.plan(&args.settings()).map_err(|error| console.fail(&error))?;
     let (world, (nodes, leaves)) = (renderer.world(), renderer.bvh().counts());
     let integrator = match args.integrator {
-        Integrator::Wavefront => format!("wavefront, SIMD: {}", lanes::SIMD),
+        Integrator::Wavefront => format!("wavefront, SIMD: {}", lanes::simd()),
         Integrator::Reference => "reference: one path at a time takes the decisions below".to_owned(),
     };
     let rows = [

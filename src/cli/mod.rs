@@ -1,6 +1,7 @@
 //! The command line. All that the program prints is printed here; the library is silent.
 
 mod args;
+mod bench_rays;
 mod check;
 mod choices;
 mod closing;
@@ -14,7 +15,7 @@ mod render;
 mod stats;
 mod units;
 
-use args::{Cli, Verb};
+use args::{Bench, Cli, Verb};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser};
 use std::ffi::OsString;
@@ -62,6 +63,7 @@ fn plain_error(error: clap::Error) -> clap::Error {
 pub fn run(command: &Cli) -> Exit {
     let result = match (&command.verb, &command.render) {
         (Some(Verb::Check(args)), _) => check::run(args),
+        (Some(Verb::Bench(Bench::Rays(args))), _) => bench_rays::run(args),
         (None, Some(args)) if args.explain => explain::run(args),
         (None, Some(args)) => render::run(args),
         (None, None) => Err(Exit::Usage),

@@ -14,7 +14,6 @@ use super::units::{counted, per_pixel};
 use std::sync::mpsc;
 use std::thread;
 use std::time::{Duration, Instant};
-use wavetrace::lanes;
 use wavetrace::output::{self, Metadata};
 use wavetrace::render::{Control, Rendered, Renderer, Settings};
 
@@ -42,7 +41,7 @@ pub fn run(args: &RenderArgs) -> Result<Exit, Exit> {
 
     let scene = load(&args.scene, args.size, &console)?;
     let mut times = Times { load: start.elapsed(), ..Times::default() };
-    let renderer = Renderer::new(scene.world);
+    let renderer = Renderer::with_options(scene.world, &args.build_options()).map_err(|error| console.fail(&error))?;
     times.build = start.elapsed() - times.load;
 
     let settings = args.settings();
@@ -71,9 +70,6 @@ pub fn run(args: &RenderArgs) -> Result<Exit, Exit> {
 }
 
 fn announce(args: &RenderArgs, renderer: &Renderer, settings: &Settings, console: &Console) {
-    if let Some(remedy) = lanes::slower_than_machine() {
-        console.note(remedy);
-    }
     let world = renderer.world();
     console.line(format_args!(
         "rendering {}: {}x{} pixels, {}, {}",

@@ -52,7 +52,7 @@ fn document(run: &Run<'_>) -> Value {
         "max_depth": settings.max_depth,
         "integrator": word(args.integrator),
         "wave": settings.wave_size,
-        "simd": lanes::SIMD,
+        "simd": lanes::simd(),
         "triangles": world.triangles(),
         "dropped_triangles": world.dropped(),
         "lights": world.lights(),
@@ -93,6 +93,7 @@ fn stage(row: &StageRow) -> Value {
         "calls": row.calls,
         "items": row.items,
         "seconds": row.time.as_secs_f64(),
+        "occupancy": row.occupancy(),
         "ns_per_item": ns_per_item(row.time, row.items),
     })
 }

@@ -3,41 +3,30 @@
 //! The scalar instance is the oracle of the wide one: both do the same IEEE operations in the same order, so that
 //! their results agree bit for bit. This folder is the only place that names `wide`.
 
+#[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code, reason = "intrinsics, wrapped here for everyone")]
+mod avx2;
+#[allow(unsafe_code, reason = "the one call into code for machines that have more than the build asks for")]
+mod dispatch;
+mod eight;
 mod math;
+mod portable;
+#[allow(unsafe_code, reason = "a hint that reads nothing")]
+mod prefetch;
 mod scalar;
 mod vec3;
-mod x8;
 
+pub use dispatch::{Kernel, dispatch, simd};
+pub use eight::{Wide, WideU32};
 pub use math::{safe_sqrt, sin_cos_turns};
+pub use portable::{F32x8, U32x8};
+pub use prefetch::prefetch_lines;
 pub use vec3::{Frame, Vec3, largest_coordinate, select3};
-pub use x8::{F32x8, U32x8};
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 /// Lanes that one kernel step handles at most.
 pub const MAX_LANES: usize = 8;
-
-/// The instruction set that this build uses for eight lanes.
-pub const SIMD: &str = if cfg!(all(target_feature = "avx2", target_feature = "fma")) {
-    "avx2+fma"
-} else if cfg!(target_feature = "avx") {
-    "avx"
-} else if cfg!(target_arch = "aarch64") {
-    "neon"
-} else if cfg!(target_arch = "x86_64") {
-    "sse2"
-} else {
-    "scalar"
-};
-
-/// A remedy, if this build uses fewer instructions than the machine has.
-pub fn slower_than_machine() -> Option<&'static str> {
-    #[cfg(all(target_arch = "x86_64", not(all(target_feature = "avx2", target_feature = "fma"))))]
-    if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
-        return Some("this build does not use the AVX2 of this machine: build with RUSTFLAGS=\"-C target-cpu=native\"");
-    }
-    None
-}
 
 /// One truth value per lane.
 pub trait Mask: Copy + std::fmt::Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
@@ -65,7 +54,7 @@ pub trait LanesU32: Copy + std::fmt::Debug + Send + Sync + 'static {
     fn array(self) -> Self::Array;
     /// Writes the lanes to `dst[0..N]`.
     fn store(self, dst: &mut [u32]);
-    /// Moves the lanes whose bit is set to the front, in order; the rest is unspecified.
+    /// Moves the lanes whose bit is set to the front, in order; the rest repeat a lane whose bit is not set.
     fn pack(self, bits: u32) -> Self;
     /// Wrapping sum.
     fn add(self, other: Self) -> Self;
@@ -108,7 +97,7 @@ pub trait Lanes:
     /// Unsigned integers of as many lanes.
     type Uint: LanesU32;
     /// How the lanes are stored one by one.
-    type Array: AsRef<[f32]> + Copy;
+    type Array: AsRef<[f32]> + AsMut<[f32]> + Copy;
     /// All lanes set to `value`.
     fn splat(value: f32) -> Self;
     /// Lane i is `f(i)`.
@@ -126,7 +115,7 @@ pub trait Lanes:
     fn pack(self, bits: u32) -> Self {
         Self::from_bits(self.to_bits().pack(bits))
     }
-    /// `self * a + b`, fused where the build has the instruction.
+    /// `self * a + b`, fused where kernels have the instruction.
     fn mul_add(self, a: Self, b: Self) -> Self;
     /// Correctly rounded square root.
     fn sqrt(self) -> Self;

@@ -96,8 +96,7 @@ impl Lanes for f32 {
     }
     #[inline(always)]
     fn mul_add(self, a: Self, b: Self) -> Self {
-        // Without the instruction, a fused result would cost a library call, and the wide twin does not fuse either.
-        if cfg!(target_feature = "fma") { f32::mul_add(self, a, b) } else { self * a + b }
+        super::dispatch::mul_add(self, a, b)
     }
     #[inline(always)]
     fn sqrt(self) -> Self {

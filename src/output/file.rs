@@ -41,18 +41,23 @@ pub fn write(path: &Path, image: &Image, metadata: &Metadata, tone: &Tone) -> Re
     }
 }
 
-/// Writes text, such as figures as JSON, as [`write()`] writes images: the file is there whole or not at all. The
-/// ending is free.
+/// Writes text, such as figures as JSON, as [`write_bytes`] does.
 ///
 /// # Errors
 /// [`Error::Output`] for an unusable target, [`Error::Io`] where the system refuses.
 pub fn write_text(path: &Path, text: &str) -> Result<()> {
+    write_bytes(path, text.as_bytes())
+}
+
+/// Writes bytes of any kind as [`write()`] writes images: the file is there whole or not at all. The ending is free.
+///
+/// # Errors
+/// [`Error::Output`] for an unusable target, [`Error::Io`] where the system refuses.
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
     let written = match Target::find(path)? {
-        Target::Stream => {
-            OpenOptions::new().write(true).open(path).and_then(|mut stream| stream.write_all(text.as_bytes()))
-        }
+        Target::Stream => OpenOptions::new().write(true).open(path).and_then(|mut stream| stream.write_all(bytes)),
         Target::File { path: place, folder, permissions } => temporary(&folder).and_then(|file| {
-            file.as_file().write_all(text.as_bytes())?;
+            file.as_file().write_all(bytes)?;
             file.as_file().sync_all()?;
             replace(file, &place, permissions)
         }),

@@ -15,7 +15,7 @@ mod target;
 mod tone;
 
 pub use crate::film::Image;
-pub use file::{check_writable, check_writable_text, write, write_all, write_new, write_text};
+pub use file::{check_writable, check_writable_text, write, write_all, write_bytes, write_new, write_text};
 pub use format::Format;
 pub use metadata::{Metadata, PARTIAL};
 pub use name::{LocalTime, default_name, local_now};

@@ -3,7 +3,7 @@
 mod reference;
 mod schedule;
 
-use crate::accel::Bvh;
+use crate::accel::{BuildOptions, Bvh};
 use crate::error::{Error, Result};
 use crate::film::{BadSample, Film};
 use crate::probe::{NoProbe, StageRow, StageTimes};
@@ -157,10 +157,20 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// Builds the tree of a world.
+    /// Builds the tree of a world, on all cores.
     pub fn new(world: World) -> Self {
         let bvh = Bvh::build(&world.corners);
         Self { world, bvh }
+    }
+    /// Builds the tree of a world as told. Options and threads change the time that it takes and that rays take, not
+    /// the image.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] if there are more than [`MAX_THREADS`] threads, or the system cannot start them.
+    pub fn with_options(world: World, options: &BuildOptions) -> Result<Self> {
+        Settings { threads: options.threads, ..Settings::default() }.check()?;
+        let bvh = Bvh::build_with(&world.corners, options)?;
+        Ok(Self { world, bvh })
     }
     /// The world.
     pub fn world(&self) -> &World {

@@ -2,13 +2,14 @@
 //! numbers as the waves, and so gives the same image; it is their oracle and the baseline that they have to beat.
 
 use crate::accel::{Hit, Ray, Single};
-use crate::lanes::Vec3;
+use crate::lanes::{Kernel, Vec3, Wide, dispatch};
 use crate::material::{Kind, for_kind};
 use crate::sampling::Sampler;
 use crate::wave::{
     Context, Counts, HitRow, Job, Path, Samples, Shaded, background_radiance, camera_paths, emitted_radiance,
     shade_rows, shadow_rays,
 };
+use std::marker::PhantomData;
 
 /// The reference integrator of one worker.
 #[derive(Clone, Debug)]
@@ -25,20 +26,17 @@ impl Reference {
     /// Traces all samples of a job, and returns their radiance by slot.
     pub fn run<S: Sampler>(&mut self, cx: &Context<'_>, job: &Job, counts: &mut Counts) -> &[[f32; 3]] {
         self.samples.reset(job.paths());
-        for slot in 0..job.paths() {
-            let path = camera_paths::<S, f32>(&cx.world.view, cx.seed, job, slot, slot);
-            counts.camera += 1;
-            self.trace::<S>(cx, path, counts);
-        }
+        dispatch(Paths { reference: self, sampler: PhantomData::<S>, cx, job, counts });
         self.samples.all()
     }
 
-    fn trace<S: Sampler>(&mut self, cx: &Context<'_>, mut path: Path<f32>, counts: &mut Counts) {
+    #[inline(always)]
+    fn trace<S: Sampler, W: Wide>(&mut self, cx: &Context<'_>, mut path: Path<f32>, counts: &mut Counts) {
         let Context { world, bvh, plan, .. } = *cx;
         let mut scale = 1.0;
         loop {
             let ray = Ray { origin: path.origin.lane(0), direction: path.direction.lane(0), t_max: f32::INFINITY };
-            let hit = self.tracer.closest(bvh, &ray);
+            let hit = self.tracer.closest_as::<W>(bvh, &ray);
             if hit.triangle == Hit::NONE {
                 if let Some(background) = world.background {
                     self.add(path.slot, background_radiance(background, &path));
@@ -62,7 +60,7 @@ impl Reference {
             let Some(out) = out else { return };
             if out.connected {
                 counts.shadow += 1;
-                if !self.tracer.any(bvh, &shadow_rays(out.shadow.origin, out.shadow.direction).into()) {
+                if !self.tracer.any_as::<W>(bvh, &shadow_rays(out.shadow.origin, out.shadow.direction).into()) {
                     self.add(path.slot, out.shadow.radiance);
                 }
             }
@@ -76,5 +74,27 @@ impl Reference {
 
     fn add(&mut self, slot: u32, radiance: Vec3<f32>) {
         self.samples.add::<f32>(1, slot, radiance);
+    }
+}
+
+/// All paths of a job. They have one lane; the tree's boxes have eight.
+struct Paths<'a, S> {
+    reference: &'a mut Reference,
+    sampler: PhantomData<S>,
+    cx: &'a Context<'a>,
+    job: &'a Job,
+    counts: &'a mut Counts,
+}
+
+impl<S: Sampler> Kernel for Paths<'_, S> {
+    type Out = ();
+    #[inline(always)]
+    fn run<W: Wide>(self) {
+        let Self { reference, cx, job, counts, .. } = self;
+        for slot in 0..job.paths() {
+            let path = camera_paths::<S, f32>(&cx.world.view, cx.seed, job, slot, slot);
+            counts.camera += 1;
+            reference.trace::<S, W>(cx, path, counts);
+        }
     }
 }

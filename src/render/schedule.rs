@@ -1,4 +1,4 @@
-//! Jobs onto threads; the only file that names rayon.
+//! Jobs onto threads; with `accel/parallel.rs` the only file that names rayon.
 //!
 //! Jobs are taken off one counter. Their sums reach each pixel in the order of the samples, whichever thread is first:
 //! what arrives early waits.
@@ -8,13 +8,14 @@ use crate::error::{Error, Result};
 use crate::film::{BadSample, Film, Pixel};
 use crate::probe::{Probe, Stage, StageRow};
 use crate::sampling::Sampler;
-use crate::wave::{Context, Counts, Grid, Job, Wave};
+use crate::wave::{Context, Counts, Grid, Job, Place, Wave};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 /// Sums of a job's pixels.
+#[derive(Clone, Debug, Default)]
 struct JobSums {
     pixels: Vec<Pixel>,
     bad: Vec<BadSample>,
@@ -29,28 +30,35 @@ struct Merge {
 }
 
 impl Merge {
-    fn add(&mut self, job: Job, pass: u32, sums: JobSums) {
+    fn add(&mut self, job: &Job, sums: &JobSums) {
         let tile = job.tile;
-        self.early.insert((tile, pass), (job, sums));
-        while let Some((job, sums)) = self.early.remove(&(tile, self.next_pass[tile])) {
-            for (&pixel, sum) in job.pixels.iter().zip(&sums.pixels) {
-                self.film.pixel_mut(pixel).merge(sum);
-            }
-            self.bad.extend(sums.bad);
-            self.next_pass[tile] += 1;
+        if job.pass != self.next_pass[tile] {
+            self.early.insert((tile, job.pass), (job.clone(), sums.clone()));
+            return;
         }
+        self.merge(job, sums);
+        while let Some((job, sums)) = self.early.remove(&(tile, self.next_pass[tile])) {
+            self.merge(&job, &sums);
+        }
+    }
+    fn merge(&mut self, job: &Job, sums: &JobSums) {
+        for (&pixel, sum) in job.pixels.iter().zip(&sums.pixels) {
+            self.film.pixel_mut(pixel).merge(sum);
+        }
+        self.bad.extend_from_slice(&sums.bad);
+        self.next_pass[job.tile] += 1;
     }
 }
 
-fn accumulate(job: &Job, samples: &[[f32; 3]]) -> JobSums {
-    let mut sums = JobSums { pixels: vec![Pixel::default(); job.pixels.len()], bad: Vec::new() };
-    for (slot, &sample) in samples.iter().enumerate() {
-        if !sums.pixels[slot % job.pixels.len()].add(sample) {
-            let (pixel, sample) = job.place(slot);
+fn accumulate(job: &Job, samples: &[[f32; 3]], sums: &mut JobSums) {
+    sums.bad.clear();
+    sums.pixels.clear();
+    sums.pixels.resize(job.pixels.len(), Pixel::default());
+    for (Place { index, pixel, sample }, &radiance) in job.places(0).zip(samples) {
+        if !sums.pixels[index].add(radiance) {
             sums.bad.push(BadSample { pixel, sample });
         }
     }
-    sums
 }
 
 /// What a worker brings home.
@@ -83,21 +91,21 @@ pub(super) fn run<S: Sampler, P: Probe>(cx: &Context<'_>, settings: &Settings, c
         let mut counts = Counts::default();
         let mut wave = (settings.integrator == Integrator::Wavefront).then(|| Wave::<S>::new(cx));
         let mut reference = reference::Reference::new(cx);
+        let (mut job, mut sums) = (Job::default(), JobSums::default());
         while !control.is_stopped() {
             let number = next.fetch_add(1, Ordering::Relaxed);
             if number >= jobs {
                 break;
             }
-            let (tile, pass) = (number % tiles, (number / tiles) as u32);
-            let job = grid.job(tile, pass);
+            grid.job(number % tiles, (number / tiles) as u32, &mut job);
             let before = counts.rays();
             let samples = match &mut wave {
                 Some(wave) => wave.run(cx, &job, &mut probe, &mut counts),
                 None => reference.run::<S>(cx, &job, &mut counts),
             };
-            let sums = probe.stage(Stage::Accumulate, samples.len(), || accumulate(&job, samples));
+            probe.stage(Stage::Accumulate, samples.len(), || accumulate(&job, samples, &mut sums));
             control.advance(job.paths() as u64, counts.rays() - before);
-            merge.lock().unwrap_or_else(|e| e.into_inner()).add(job, pass, sums);
+            merge.lock().unwrap_or_else(|e| e.into_inner()).add(&job, &sums);
         }
         let wave_bytes = wave.as_ref().map_or(0, |w| w.bytes(cx.plan));
         Work { counts, stages: probe.rows(), wave_bytes }
@@ -124,6 +132,7 @@ pub(super) fn run<S: Sampler, P: Probe>(cx: &Context<'_>, settings: &Settings, c
             for (sum, row) in rendered.stages.iter_mut().zip(w.stages) {
                 sum.calls += row.calls;
                 sum.items += row.items;
+                sum.lanes += row.lanes;
                 sum.time += row.time;
             }
         }

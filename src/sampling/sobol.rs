@@ -108,18 +108,20 @@ impl Sampler for Sobol {
         let set = depth.mul(constant(Decision::SETS)).add(constant(set));
         let seed = hash(state[0].xor(hash(set.add(constant(0x9e37_79b9)))));
         let index = owen(state[1], seed);
-        std::array::from_fn(|k| {
+        let mut numbers = [L::splat(0.0); N];
+        for (k, number) in numbers.iter_mut().enumerate() {
             let dimension = (first + k) % 4;
             let scramble = hash(seed.add(constant(0x632b_e59b_u32.wrapping_mul(dimension as u32 + 1))));
-            L::unit_from_u32(owen(sobol(index, &MATRICES[dimension]), scramble))
-        })
+            *number = L::unit_from_u32(owen(sobol(index, &MATRICES[dimension]), scramble));
+        }
+        numbers
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::{F32x8, U32x8};
+    use crate::lanes::{Kernel, Wide, dispatch};
 
     fn points(pixel: u32, n: u32, decision: Decision) -> Vec<[f32; 3]> {
         (0..n)
@@ -168,14 +170,24 @@ mod tests {
         assert!(same <= 1, "{same} of 256 numbers repeat");
     }
 
+    /// Numbers of pixels 0 to 7.
+    struct Eight;
+    impl Kernel for Eight {
+        type Out = [[f32; 8]; 3];
+        #[inline(always)]
+        fn run<W: Wide>(self) -> Self::Out {
+            let mut state = Sobol::start::<W>(9, W::Uint::from_fn(|i| i as u32), W::Uint::splat(70_001));
+            Sobol::draw::<W, 3>(&mut state, Decision::Scatter, W::Uint::splat(4)).map(Lanes::array)
+        }
+    }
+
     #[test]
     fn wide_matches_scalar() {
-        let mut wide = Sobol::start::<F32x8>(9, U32x8::from_fn(|i| i as u32), U32x8::splat(70_001));
-        let w = Sobol::draw::<F32x8, 3>(&mut wide, Decision::Scatter, U32x8::splat(4));
+        let w = dispatch(Eight);
         for i in 0..8 {
             let mut one = Sobol::start::<f32>(9, i as u32, 70_001);
             let s = Sobol::draw::<f32, 3>(&mut one, Decision::Scatter, 4);
-            assert_eq!([w[0].array()[i], w[1].array()[i], w[2].array()[i]], s);
+            assert_eq!(w.map(|k| k[i]), s);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Independent streams: xoshiro128++ (Blackman and Vigna 2021), one per (seed, pixel, sample), in lanes.
 
 use super::{Decision, Sampler, State};
-use crate::lanes::{Lanes, LanesU32};
+use crate::lanes::{Lanes, LanesU32, MAX_LANES};
 use rand_xoshiro::SplitMix64;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
@@ -18,18 +18,22 @@ impl Sampler for Xoshiro {
     #[inline(always)]
     fn start<L: Lanes>(seed: u64, pixel: L::Uint, sample: L::Uint) -> State<L> {
         let (pixel, sample) = (pixel.array(), sample.array());
-        let mut states = [[0u32; 4]; crate::lanes::MAX_LANES];
-        for (i, state) in states.iter_mut().enumerate().take(L::N) {
-            let mut mix = SplitMix64::seed_from_u64(key(seed, pixel.as_ref()[i], sample.as_ref()[i]));
+        let mut states = [[0u32; MAX_LANES]; 4];
+        for (i, (&pixel, &sample)) in pixel.as_ref().iter().zip(sample.as_ref()).enumerate() {
+            let mut mix = SplitMix64::seed_from_u64(key(seed, pixel, sample));
             let (a, b) = (mix.next_u64(), mix.next_u64());
-            *state = [a as u32, (a >> 32) as u32, b as u32, (b >> 32) as u32];
+            for (k, half) in [a as u32, (a >> 32) as u32, b as u32, (b >> 32) as u32].into_iter().enumerate() {
+                states[k][i] = half;
+            }
         }
-        std::array::from_fn(|k| L::Uint::from_fn(|i| states[i][k]))
+        let column = |k: usize| L::Uint::load(&states[k]);
+        [column(0), column(1), column(2), column(3)]
     }
 
     #[inline(always)]
     fn draw<L: Lanes, const N: usize>(s: &mut State<L>, _decision: Decision, _depth: L::Uint) -> [L; N] {
-        std::array::from_fn(|_| {
+        let mut numbers = [L::splat(0.0); N];
+        for number in &mut numbers {
             let result = s[0].add(s[3]).rotl(7).add(s[0]);
             let t = s[1].shl(9);
             s[2] = s[2].xor(s[0]);
@@ -38,8 +42,9 @@ impl Sampler for Xoshiro {
             s[0] = s[0].xor(s[3]);
             s[2] = s[2].xor(t);
             s[3] = s[3].rotl(11);
-            L::unit_from_u32(result)
-        })
+            *number = L::unit_from_u32(result);
+        }
+        numbers
     }
 }
 

@@ -18,7 +18,7 @@ use std::{fs, path::Path};
 pub use camera::{GivenAngles, MAX_PIXELS, MAX_SIDE};
 
 use crate::error::{Error, Problem, Result};
-use crate::world::{MaterialInput, WorldBuilder};
+use crate::world::{MaterialInput, Mesh, WorldBuilder};
 use fields::{Fields, Range};
 use object::Meshes;
 use problems::Problems;
@@ -73,6 +73,18 @@ pub fn load(path: &Path) -> Result<Loaded> {
         Some((builder, given_angles)) if errors.is_empty() => Ok(Loaded { builder, warnings, given_angles }),
         _ => Err(Error::Scene(errors)),
     }
+}
+
+/// Reads the OBJ file at `path` as one mesh: the faces of all its groups in their order, polygons as fans about their
+/// first corner. Triangles without area are among them.
+///
+/// # Errors
+/// [`Error::Io`] where the file cannot be read, [`Error::Scene`] with its mistakes, of which having no face is one.
+pub fn load_mesh(path: &Path) -> Result<Mesh> {
+    obj::load(path).map_err(|failure| match failure {
+        obj::Failure::Unreadable(source) => Error::Io { file: path.to_owned(), action: "read", source },
+        obj::Failure::Mistakes(problems) => Error::Scene(problems),
+    })
 }
 
 /// The text of a scene file, which is UTF-8 without a byte order mark.

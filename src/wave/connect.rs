@@ -1,10 +1,10 @@
 //! Shadow rays: direct light, where nothing is in between.
 
 use super::Samples;
-use super::queues::Queues;
-use crate::accel::{Bvh, Many, RayLanes};
+use super::queues::{Queues, ShadowQueue};
+use crate::accel::{Bvh, Many, RayLanes, RaySource};
 use crate::columns::Rows;
-use crate::lanes::{Lanes, Vec3};
+use crate::lanes::{Kernel, Lanes, Vec3, Wide};
 
 /// The segments of connections: their ends lie off the light, so that they may be tested in full.
 #[inline(always)]
@@ -12,15 +12,34 @@ pub fn shadow_rays<L: Lanes>(origin: Vec3<L>, direction: Vec3<L>) -> RayLanes<L>
     RayLanes { origin, direction, t_max: L::splat(1.0) }
 }
 
+/// The segments of all connections.
+impl RaySource for ShadowQueue {
+    #[inline(always)]
+    fn rays<L: Lanes>(&self, rows: &Rows) -> RayLanes<L> {
+        shadow_rays(self.origin(rows), self.direction(rows))
+    }
+}
+
 /// Adds the radiance of all connections that nothing blocks.
-pub fn connect(q: &mut Queues, bvh: &Bvh, tracer: &mut Many, samples: &mut Samples) {
-    let shadows = &q.shadows;
-    let rays = |rows: &Rows| shadow_rays(shadows.origin(rows), shadows.direction(rows));
-    tracer.any(bvh, shadows.len(), rays, |row, blocked| {
-        if !blocked {
-            let shadow = shadows.gather::<f32>(&Rows::range(row, 1));
-            samples.add::<f32>(1, shadow.slot, shadow.radiance);
-        }
-    });
-    q.shadows.clear();
+pub struct Connect<'a> {
+    pub q: &'a mut Queues,
+    pub bvh: &'a Bvh,
+    pub tracer: &'a mut Many,
+    pub samples: &'a mut Samples,
+}
+
+impl Kernel for Connect<'_> {
+    type Out = ();
+    #[inline(always)]
+    fn run<W: Wide>(self) {
+        let Self { q, bvh, tracer, samples } = self;
+        let shadows = &q.shadows;
+        tracer.trace::<W, true>(bvh, shadows.len(), shadows, |row, hit| {
+            if !hit.is_some() {
+                let at = Rows::range(row, 1);
+                samples.add::<f32>(1, shadows.slot::<f32>(&at), shadows.radiance(&at));
+            }
+        });
+        q.shadows.clear();
+    }
 }

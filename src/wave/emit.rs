@@ -3,7 +3,7 @@
 use super::Samples;
 use super::queues::{HitRow, Path, Queues};
 use crate::columns::Rows;
-use crate::lanes::{F32x8, Lanes, LanesU32, MAX_LANES, Vec3};
+use crate::lanes::{Kernel, Lanes, LanesU32, MAX_LANES, Vec3, Wide};
 use crate::material::Kind;
 use crate::sampling::power_heuristic;
 use crate::world::World;
@@ -26,11 +26,22 @@ pub fn emitted_radiance<L: Lanes>(world: &World, path: &Path<L>, hit: &HitRow<L>
 }
 
 /// Adds the emitted radiance to the samples of all paths that hit a light.
-pub fn emit(q: &Queues, world: &World, samples: &mut Samples) {
-    for chunk in q.by_kind[Kind::Luminous as usize].chunks(MAX_LANES) {
-        let rows = Rows::listed(chunk);
-        let path = q.paths.gather::<F32x8>(&rows);
-        let radiance = emitted_radiance(world, &path, &q.hits.gather(&rows));
-        samples.add(rows.count(), path.slot, radiance);
+pub struct Emit<'a> {
+    pub q: &'a Queues,
+    pub world: &'a World,
+    pub samples: &'a mut Samples,
+}
+
+impl Kernel for Emit<'_> {
+    type Out = ();
+    #[inline(always)]
+    fn run<W: Wide>(self) {
+        let Self { q, world, samples } = self;
+        for chunk in q.by_kind[Kind::Luminous as usize].rows().chunks(MAX_LANES) {
+            let rows = Rows::listed(chunk);
+            let path = q.paths.gather::<W>(&rows);
+            let radiance = emitted_radiance(world, &path, &q.hits.gather(&rows));
+            samples.add(rows.count(), path.slot, radiance);
+        }
     }
 }

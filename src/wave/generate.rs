@@ -1,49 +1,71 @@
 //! Camera rays into the free rows of a wave.
 
-use super::job::Job;
+use super::job::{Job, Place};
 use super::queues::{Path, Queues, Scale};
 use crate::camera::View;
 use crate::columns::Rows;
-use crate::lanes::{F32x8, Lanes, LanesU32, MAX_LANES, Vec3};
+use crate::lanes::{Kernel, Lanes, LanesU32, MAX_LANES, Vec3, Wide};
 use crate::sampling::{Decision, Sampler};
+use std::marker::PhantomData;
 
 /// The paths of `L::N` samples of a job, from number `slot` on; numbers past `last` repeat it.
 #[inline(always)]
 pub fn camera_paths<S: Sampler, L: Lanes>(view: &View, seed: u64, job: &Job, slot: usize, last: usize) -> Path<L> {
-    let mut places = [([0u32; 2], 0u32); MAX_LANES];
-    for (i, place) in places.iter_mut().enumerate().take(L::N) {
-        *place = job.place((slot + i).min(last));
+    let (mut x, mut y, mut sample, mut number) = ([0; MAX_LANES], [0; MAX_LANES], [0; MAX_LANES], [0; MAX_LANES]);
+    let mut place = Place::default();
+    let mut next = job.places(slot).take(last + 1 - slot);
+    for i in 0..L::N {
+        place = next.next().unwrap_or(place);
+        [x[i], y[i]] = place.pixel;
+        sample[i] = place.sample;
+        number[i] = (slot + i).min(last) as u32;
     }
-    let pixel = L::Uint::from_fn(|i| places[i].0[1] * job.width + places[i].0[0]);
-    let mut rng = S::start::<L>(seed, pixel, L::Uint::from_fn(|i| places[i].1));
+    let (x, y) = (L::Uint::load(&x), L::Uint::load(&y));
+    let pixel = y.mul(L::Uint::splat(job.width)).add(x);
+    let mut rng = S::start::<L>(seed, pixel, L::Uint::load(&sample));
     let depth = L::Uint::splat(0);
     let [ux, uy] = S::draw::<L, 2>(&mut rng, Decision::Pixel, depth);
-    let x = L::from_u24(L::Uint::from_fn(|i| places[i].0[0])) + ux;
-    let y = L::from_u24(L::Uint::from_fn(|i| places[i].0[1])) + uy;
+    let x = L::from_u24(x) + ux;
+    let y = L::from_u24(y) + uy;
     let (origin, direction) = view.ray(x, y);
     Path {
         origin,
         direction,
         throughput: Vec3::splat([1.0; 3]),
         prev_pdf: L::splat(f32::INFINITY),
-        slot: L::Uint::from_fn(|i| (slot + i).min(last) as u32),
+        slot: L::Uint::load(&number),
         depth,
         rng,
     }
 }
 
-/// Fills the free rows with the next samples of the job, and returns how many were made.
-pub fn generate<S: Sampler>(q: &mut Queues, view: &View, seed: u64, job: &Job, next: usize, capacity: usize) -> usize {
-    let count = (capacity - q.paths.len()).min(job.paths() - next);
-    let mut made = 0;
-    while made < count {
-        let n = MAX_LANES.min(count - made);
-        let live = Rows::range(0, n).live();
-        q.paths.append(live, camera_paths::<S, F32x8>(view, seed, job, next + made, next + count - 1));
-        if let Some(scales) = &mut q.scales {
-            scales.append(live, Scale { scale: F32x8::splat(1.0) });
+/// Appends the paths of the next samples of the job.
+pub struct Generate<'a, S> {
+    pub q: &'a mut Queues,
+    pub view: &'a View,
+    pub sampler: PhantomData<S>,
+    pub seed: u64,
+    pub job: &'a Job,
+    /// Number of the first sample that was not made yet.
+    pub next: usize,
+    /// How many.
+    pub count: usize,
+}
+
+impl<S: Sampler> Kernel for Generate<'_, S> {
+    type Out = ();
+    #[inline(always)]
+    fn run<W: Wide>(self) {
+        let Self { q, view, seed, job, next, count, .. } = self;
+        let mut made = 0;
+        while made < count {
+            let n = MAX_LANES.min(count - made);
+            let live = Rows::range(0, n).live();
+            q.paths.append(live, camera_paths::<S, W>(view, seed, job, next + made, next + count - 1));
+            if let Some(scales) = &mut q.scales {
+                scales.append(live, Scale { scale: W::splat(1.0) });
+            }
+            made += n;
         }
-        made += n;
     }
-    count
 }

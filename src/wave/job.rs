@@ -29,30 +29,35 @@ impl Grid {
     pub fn passes(&self) -> u32 {
         self.spp.div_ceil(Self::SAMPLES)
     }
-    /// The job of a tile and pass.
-    pub fn job(&self, tile: usize, pass: u32) -> Job {
+    /// Makes `job` the one of a tile and pass; it keeps its memory.
+    pub fn job(&self, tile: usize, pass: u32, job: &mut Job) {
         let ([width, height], side) = (self.size, self.side);
         let across = width.div_ceil(side) as usize;
         let (x0, y0) = ((tile % across) as u32 * side, (tile / across) as u32 * side);
-        // Blocks of 4 x 2 fill the lanes with neighbours.
-        let pixels = (0..side * side)
-            .map(|i| {
-                let (block, within) = (i / 8, i % 8);
-                [x0 + block % (side / 4) * 4 + within % 4, y0 + block / (side / 4) * 2 + within / 4]
-            })
-            .filter(|&[x, y]| x < width && y < height)
-            .collect();
-        let first_sample = pass * Self::SAMPLES;
-        Job { tile, pixels, width, first_sample, samples: Self::SAMPLES.min(self.spp - first_sample) }
+        job.pixels.clear();
+        for i in 0..side * side {
+            // Squares of 8 x 8, made of blocks of 4 x 2.
+            let (square, block, within) = (i / 64, i % 64 / 8, i % 8);
+            let x = x0 + square % (side / 8) * 8 + block % 2 * 4 + within % 4;
+            let y = y0 + square / (side / 8) * 8 + block / 2 * 2 + within / 4;
+            if x < width && y < height {
+                job.pixels.push([x, y]);
+            }
+        }
+        (job.tile, job.pass, job.width) = (tile, pass, width);
+        job.first_sample = pass * Self::SAMPLES;
+        job.samples = Self::SAMPLES.min(self.spp - job.first_sample);
     }
 }
 
 /// Some samples of a tile's pixels, for one worker.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Job {
     /// Number of the tile.
     pub tile: usize,
-    /// Pixels (x, y), in the order in which they are traced: neighbours follow each other.
+    /// Which of the tile's visits this is.
+    pub pass: u32,
+    /// Pixels (x, y): neighbours follow each other.
     pub pixels: Vec<[u32; 2]>,
     /// Width of the image, which numbers the pixels.
     pub width: u32,
@@ -67,10 +72,64 @@ impl Job {
     pub fn paths(&self) -> usize {
         self.pixels.len() * self.samples as usize
     }
-    /// (pixel, sample) of path number `slot`: all pixels once, then all once more.
+    /// Pixels that are traced together: 64 paths in a row are few neighbouring pixels.
+    fn block(&self) -> usize {
+        if self.samples >= 8 { 8 } else { 64 }
+    }
+    /// Places of the paths from number `slot` on. A block of pixels comes once for each of its samples, then the next
+    /// block: the samples of a pixel come in order.
     #[inline(always)]
-    pub fn place(&self, slot: usize) -> ([u32; 2], u32) {
-        (self.pixels[slot % self.pixels.len()], self.first_sample + (slot / self.pixels.len()) as u32)
+    pub fn places(&self, slot: usize) -> Places<'_> {
+        if slot >= self.paths() {
+            return Places { job: self, first: self.pixels.len(), block: 1, at: 0, sample: 0 };
+        }
+        let (samples, width) = (self.samples as usize, self.block());
+        let first = slot / (width * samples) * width;
+        let block = width.min(self.pixels.len() - first);
+        let rest = slot - first * samples;
+        Places { job: self, first, block, at: rest % block, sample: (rest / block) as u32 }
+    }
+}
+
+/// What a path is a sample of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Place {
+    /// Index of the pixel in the job.
+    pub index: usize,
+    /// The pixel across and down.
+    pub pixel: [u32; 2],
+    /// Number of the sample.
+    pub sample: u32,
+}
+
+/// Places of successive paths of a job.
+#[derive(Clone, Debug)]
+pub struct Places<'a> {
+    job: &'a Job,
+    /// First pixel of the block, and number of its pixels.
+    first: usize,
+    block: usize,
+    /// Where in the block, and which of the job's samples.
+    at: usize,
+    sample: u32,
+}
+
+impl Iterator for Places<'_> {
+    type Item = Place;
+    #[inline(always)]
+    fn next(&mut self) -> Option<Place> {
+        let index = self.first + self.at;
+        let &pixel = self.job.pixels.get(index)?;
+        let place = Place { index, pixel, sample: self.job.first_sample + self.sample };
+        self.at += 1;
+        if self.at == self.block {
+            (self.at, self.sample) = (0, self.sample + 1);
+            if self.sample == self.job.samples {
+                (self.first, self.sample) = (self.first + self.block, 0);
+                self.block = self.job.block().min(self.job.pixels.len() - self.first);
+            }
+        }
+        Some(place)
     }
 }
 
@@ -80,18 +139,40 @@ mod tests {
 
     #[test]
     fn jobs_cover_all_samples_once() {
+        let mut job = Job::default();
         for spp in [1, 5, 64, 130] {
             let grid = Grid::new([77, 41], spp);
             let mut seen = vec![0u32; 77 * 41];
             for (tile, pass) in (0..grid.tiles()).flat_map(|t| (0..grid.passes()).map(move |p| (t, p))) {
-                let job = grid.job(tile, pass);
-                for slot in 0..job.paths() {
-                    let ([x, y], sample) = job.place(slot);
-                    assert_eq!(seen[(y * 77 + x) as usize], sample, "samples of a pixel come in order");
-                    seen[(y * 77 + x) as usize] += 1;
+                grid.job(tile, pass, &mut job);
+                assert_eq!(job.places(0).count(), job.paths());
+                for (slot, place) in job.places(0).enumerate() {
+                    assert_eq!(job.places(slot).next(), Some(place));
+                    assert_eq!(job.pixels[place.index], place.pixel);
+                    let [x, y] = place.pixel;
+                    let pixel = (y * 77 + x) as usize;
+                    assert_eq!(seen[pixel], place.sample, "samples of a pixel come in order");
+                    seen[pixel] += 1;
                 }
+                assert_eq!(job.places(job.paths()).next(), None);
             }
             assert!(seen.iter().all(|&n| n == spp));
+        }
+    }
+
+    #[test]
+    fn paths_of_a_tile_of_rays_are_neighbours() {
+        for (spp, area) in [(64, 8), (8, 8), (1, 64), (4, 64)] {
+            let mut job = Job::default();
+            Grid::new([128, 128], spp).job(0, 0, &mut job);
+            for slot in (0..job.paths()).step_by(64) {
+                let tile: Vec<_> = job.places(slot).take(64).map(|p| p.pixel).collect();
+                let extent = |axis: usize| {
+                    let values = tile.iter().map(|p| p[axis]);
+                    values.clone().max().unwrap() - values.min().unwrap() + 1
+                };
+                assert_eq!(extent(0) * extent(1), area, "{spp} samples, path {slot}");
+            }
         }
     }
 }

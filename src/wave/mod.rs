@@ -1,6 +1,7 @@
 //! The wavefront: paths move in batches through the stages, struct-of-arrays between them. One small wave per worker;
 //! nothing is shared between workers.
 
+mod compact;
 mod connect;
 mod emit;
 mod escape;
@@ -17,17 +18,25 @@ pub use connect::shadow_rays;
 pub use emit::emitted_radiance;
 pub use escape::background_radiance;
 pub use generate::camera_paths;
-pub use job::{Grid, Job};
+pub use job::{Grid, Job, Place, Places};
 pub use plan::{BOUNCE_LIMIT, Method, Plan, PrevPdf};
 pub use queues::{HitRow, Path, Queues};
 pub use shade::{Shaded, shade_rows};
 
-use crate::accel::{Bvh, Many};
-use crate::lanes::{Lanes, LanesU32, Vec3};
+use crate::accel::{Bvh, Many, Tiles};
+use crate::lanes::{Lanes, LanesU32, Vec3, dispatch};
 use crate::material::for_kind;
 use crate::probe::{Probe, Stage};
 use crate::sampling::Sampler;
 use crate::world::World;
+use compact::Compact;
+use connect::Connect;
+use emit::Emit;
+use escape::Escape;
+use generate::Generate;
+use intersect::Intersect;
+use route::Route;
+use shade::Shade;
 use std::marker::PhantomData;
 
 /// What was traced, and what was cut.
@@ -105,11 +114,15 @@ pub struct Context<'a> {
     pub seed: u64,
 }
 
+/// Rays that are traced together where they run the same way.
+const TILE: usize = 64;
+
 /// The paths of one worker.
 #[derive(Clone, Debug)]
 pub struct Wave<S> {
     queues: Queues,
-    tracer: Many,
+    many: Many,
+    tiles: Tiles,
     samples: Samples,
     sampler: PhantomData<S>,
 }
@@ -119,7 +132,8 @@ impl<S: Sampler> Wave<S> {
     pub fn new(cx: &Context<'_>) -> Self {
         Self {
             queues: Queues::new(cx.plan),
-            tracer: Many::new(cx.bvh),
+            many: Many::new(),
+            tiles: Tiles::new(),
             samples: Samples::default(),
             sampler: PhantomData,
         }
@@ -133,59 +147,73 @@ impl<S: Sampler> Wave<S> {
     /// Traces all samples of a job, and returns their radiance by slot.
     pub fn run(&mut self, cx: &Context<'_>, job: &Job, probe: &mut impl Probe, counts: &mut Counts) -> &[[f32; 3]] {
         let Context { world, bvh, plan, seed } = *cx;
-        let Self { queues: q, tracer, samples, .. } = self;
+        let Self { queues: q, many, tiles, samples, .. } = self;
         samples.reset(job.paths());
         let mut next = 0;
         loop {
-            let before = q.paths.len();
-            let free = (plan.wave_size - before).min(job.paths() - next);
-            let made = probe.stage(Stage::Generate, free, || {
-                generate::generate::<S>(q, &world.view, seed, job, next, plan.wave_size)
+            let fresh = q.paths.len();
+            let count = refill(plan.wave_size - fresh, job.paths() - next, plan.wave_size);
+            probe.stage(Stage::Generate, count, || {
+                dispatch(Generate { q, view: &world.view, sampler: PhantomData::<S>, seed, job, next, count });
             });
-            next += made;
+            next += count;
             let n = q.paths.len();
             if n == 0 {
                 return samples.all();
             }
-            counts.camera += made as u64;
-            counts.bounce += before as u64;
-            probe.stage(Stage::Intersect, n, || intersect::intersect(q, bvh, tracer));
-            probe.stage(Stage::Route, n, || route::route(q, world, plan, counts));
+            counts.camera += count as u64;
+            counts.bounce += fresh as u64;
+            probe.stage(Stage::Intersect, n, || dispatch(Intersect { q, bvh, many, tiles, fresh }));
+            probe.stage(Stage::Route, n, || dispatch(Route { q, world, plan, counts }));
             if let Some(background) = world.background {
-                probe.stage(Stage::Escape, q.escaped.len(), || escape::escape(q, background, samples));
+                probe.stage(Stage::Escape, q.escaped.len(), || dispatch(Escape { q, background, samples }));
             }
             if plan.emit {
                 let hits = q.by_kind[crate::material::Kind::Luminous as usize].len();
-                probe.stage(Stage::Emit, hits, || emit::emit(q, world, samples));
+                probe.stage(Stage::Emit, hits, || dispatch(Emit { q, world, samples }));
             }
             if plan.sole_kind() {
-                // With the ended paths out of the way, the rest is without gaps: whole registers move.
-                probe.stage(Stage::Compact, n, || compact(q));
+                // Without gaps, shading reads whole registers, and closes the gaps that it makes.
+                probe.stage(Stage::Compact, n, || dispatch(Compact { q }));
             }
             for &kind in &plan.kinds {
                 let hits = if plan.sole_kind() { q.paths.len() } else { q.by_kind[kind as usize].len() };
-                for_kind!(kind, M => probe.stage(Stage::Shade, hits, || shade::shade::<M, S>(q, kind, world, plan)));
+                for_kind!(kind, M => {
+                    let of = PhantomData::<(M, S)>;
+                    probe.stage(Stage::Shade, hits, || dispatch(Shade { q, of, kind, world, plan }))
+                });
             }
             if plan.connect {
-                counts.shadow += q.shadows.len() as u64;
                 let shadows = q.shadows.len();
-                probe.stage(Stage::Connect, shadows, || connect::connect(q, bvh, tracer, samples));
+                counts.shadow += shadows as u64;
+                probe.stage(Stage::Connect, shadows, || dispatch(Connect { q, bvh, tracer: many, samples }));
             }
-            probe.stage(Stage::Compact, q.paths.len(), || compact(q));
+            if plan.kinds.is_empty() {
+                q.truncate(0);
+            } else if !plan.sole_kind() {
+                probe.stage(Stage::Compact, q.paths.len(), || dispatch(Compact { q }));
+            }
         }
     }
 }
 
-/// Removes the rows whose path has ended; rows from the end take their place.
-fn compact(q: &mut Queues) {
-    for row in (0..q.paths.len()).rev() {
-        if q.ended[row] {
-            q.paths.swap_remove(row);
-            q.hits.copy_row(q.paths.len(), row);
-            q.ended[row] = false;
-            if let Some(scales) = &mut q.scales {
-                scales.swap_remove(row);
-            }
-        }
+/// Paths to make where `free` rows are free and `left` samples are left: whole tiles of rays while there are more to come,
+/// so that tiles stay together. Small waves take what they get.
+fn refill(free: usize, left: usize, wave_size: usize) -> usize {
+    if left <= free || wave_size < 8 * TILE { left.min(free) } else { free - free % TILE }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn waves_are_filled_in_whole_tiles() {
+        assert_eq!(refill(2048, 4096, 2048), 2048);
+        assert_eq!(refill(700, 4096, 2048), 640);
+        assert_eq!(refill(63, 4096, 2048), 0);
+        assert_eq!(refill(700, 65, 2048), 65);
+        assert_eq!(refill(63, 4096, 511), 63);
+        assert_eq!(refill(0, 0, 1), 0);
     }
 }

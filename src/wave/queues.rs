@@ -2,6 +2,7 @@
 
 use super::plan::Plan;
 use crate::columns::columns;
+use crate::lanes::{LanesU32, MAX_LANES, Wide};
 use crate::material::Kind;
 
 columns! {
@@ -58,6 +59,40 @@ columns! {
     }
 }
 
+/// A list of rows, in ascending order.
+#[derive(Clone, Debug, Default)]
+pub struct RowList {
+    rows: Vec<u32>,
+    len: usize,
+}
+
+impl RowList {
+    /// An empty list with room for `capacity` rows; with no room nothing is held.
+    pub fn with_capacity(capacity: usize) -> Self {
+        Self { rows: vec![0; if capacity == 0 { 0 } else { capacity + MAX_LANES }], len: 0 }
+    }
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+    /// The rows.
+    #[inline(always)]
+    pub fn rows(&self) -> &[u32] {
+        &self.rows[..self.len]
+    }
+    /// Forgets all rows.
+    pub fn clear(&mut self) {
+        self.len = 0;
+    }
+    /// Appends those of the eight rows from `first` on whose bit is set.
+    #[inline(always)]
+    pub fn append<W: Wide>(&mut self, first: usize, bits: u32) {
+        let rows = W::Uint::load(&[0, 1, 2, 3, 4, 5, 6, 7]).add(W::Uint::splat(first as u32));
+        rows.pack(bits).store(&mut self.rows[self.len..]);
+        self.len += bits.count_ones() as usize;
+    }
+}
+
 /// All that one worker keeps for its paths.
 #[derive(Clone, Debug)]
 pub struct Queues {
@@ -66,18 +101,18 @@ pub struct Queues {
     pub(super) hits: HitQueue,
     pub(super) shadows: ShadowQueue,
     /// Rows by the kind of surface that they hit; lists of kinds that the scene lacks stay empty.
-    pub(super) by_kind: [Vec<u32>; Kind::COUNT],
+    pub(super) by_kind: [RowList; Kind::COUNT],
     /// Rows that hit nothing.
-    pub(super) escaped: Vec<u32>,
-    /// Whether the path of a row has ended.
-    pub(super) ended: Vec<bool>,
+    pub(super) escaped: RowList,
+    /// Which paths go on: a bit per row, eight rows to a byte.
+    pub(super) alive: Vec<u8>,
 }
 
 impl Queues {
     /// Queues for what the plan needs.
     pub fn new(plan: &Plan) -> Self {
         let n = plan.wave_size;
-        let list = |needed: bool| Vec::with_capacity(if needed { n } else { 0 });
+        let list = |needed: bool| RowList::with_capacity(if needed { n } else { 0 });
         Self {
             paths: PathQueue::with_capacity(n),
             scales: plan.transmit.then(|| ScaleQueue::with_capacity(n)),
@@ -88,7 +123,14 @@ impl Queues {
                 list(listed || (plan.emit && k == Kind::Luminous as usize))
             }),
             escaped: list(plan.escape),
-            ended: vec![false; n],
+            alive: Vec::with_capacity(n.div_ceil(MAX_LANES)),
+        }
+    }
+    /// Keeps the first `len` paths.
+    pub(super) fn truncate(&mut self, len: usize) {
+        self.paths.truncate(len);
+        if let Some(scales) = &mut self.scales {
+            scales.truncate(len);
         }
     }
 }
@@ -103,19 +145,21 @@ impl Plan {
             + if self.transmit { ScaleQueue::ROW_BYTES } else { 0 }
             + if self.connect { ShadowQueue::ROW_BYTES } else { 0 }
             + lists * size_of::<u32>()
-            + size_of::<bool>()
+            // Its bit among those that go on, rounded up.
+            + 1
     }
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::camera::Camera;
     use crate::linear::DVec3;
     use crate::wave::Method;
     use crate::world::{MaterialInput, Mesh, Object, Size, WorldBuilder};
 
-    fn plan(materials: &[MaterialInput], background: f32) -> Plan {
+    /// The plan of a scene with a triangle of each material.
+    pub fn plan(materials: &[MaterialInput], background: f32) -> Plan {
         let (focal_point, direction) = (DVec3::ZERO, DVec3::Y);
         let mut b =
             WorldBuilder::new(Camera { focal_point, direction, width: 4, height: 4, x_angle: 45.0, y_angle: 45.0 });
@@ -143,7 +187,7 @@ mod tests {
         assert!(all.path_bytes() <= 160, "{} bytes", all.path_bytes());
         let box_ = plan(&[diffuse, lamp.clone()], 0.0);
         let q = Queues::new(&box_);
-        assert!(q.scales.is_none() && q.escaped.capacity() == 0 && q.by_kind[..4].iter().all(|l| l.capacity() == 0));
+        assert!(q.scales.is_none() && q.escaped.rows.is_empty() && q.by_kind[..4].iter().all(|l| l.rows.is_empty()));
         assert!(box_.sole_kind() && box_.connect && !box_.transmit && !box_.smooth && !box_.escape);
         // 64 of the path, 12 of the hit, 40 of the connection, a list for lights, a flag.
         assert_eq!(box_.path_bytes(), 64 + 12 + 40 + 4 + 1);

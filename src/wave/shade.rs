@@ -4,10 +4,11 @@ use super::plan::{Plan, PrevPdf};
 use super::queues::{HitRow, Path, Queues, Scale, Shadow};
 use super::surface::{Surface, off_surface};
 use crate::columns::Rows;
-use crate::lanes::{F32x8, Frame, Lanes, LanesU32, MAX_LANES, Mask, Vec3, select3};
+use crate::lanes::{Frame, Kernel, Lanes, LanesU32, MAX_LANES, Mask, Vec3, Wide, select3};
 use crate::material::{Evaluated, Kind, Lobe, Materials, Table};
 use crate::sampling::{Decision, Sampler, power_heuristic};
 use crate::world::World;
+use std::marker::PhantomData;
 
 /// Bounces before roulette begins.
 const ROULETTE_FROM: u32 = 2;
@@ -61,7 +62,12 @@ where
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let ids = hit.triangle.array();
     let rows = Table::<M>::rows(&world.materials);
-    let p = M::params::<L>(|i| rows[world.lobes[ids.as_ref()[i] as usize].row()]);
+    // Looked up once, whatever the number of parameters.
+    let mut chosen = [M::Row::default(); MAX_LANES];
+    for (row, &id) in chosen.iter_mut().zip(ids.as_ref()) {
+        *row = rows[world.lobes[id as usize].row()];
+    }
+    let p = M::params::<L>(|i| chosen[i]);
     let wo_world = -path.direction;
     let surface = Surface::new(world, hit, wo_world);
     let frame = Frame::about(surface.ns);
@@ -131,40 +137,72 @@ where
 }
 
 /// One bounce of all paths that hit a surface of kind `M`: those listed, or all that are left where there is no other.
-pub fn shade<M: Lobe, S: Sampler>(q: &mut Queues, kind: Kind, world: &World, plan: &Plan)
-where
-    Materials: Table<M>,
-{
-    if plan.sole_kind() {
-        (0..q.paths.len()).step_by(MAX_LANES).for_each(|first| {
-            let rows = Rows::range(first, MAX_LANES.min(q.paths.len() - first));
-            shade_group::<M, S>(q, &rows, world, plan);
-        });
-        return;
-    }
-    let list = std::mem::take(&mut q.by_kind[kind as usize]);
-    list.chunks(MAX_LANES).for_each(|chunk| shade_group::<M, S>(q, &Rows::listed(chunk), world, plan));
-    q.by_kind[kind as usize] = list;
+pub struct Shade<'a, M, S> {
+    pub q: &'a mut Queues,
+    pub of: PhantomData<(M, S)>,
+    /// The number of `M`.
+    pub kind: Kind,
+    pub world: &'a World,
+    pub plan: &'a Plan,
 }
 
-#[inline(always)]
-fn shade_group<M: Lobe, S: Sampler>(q: &mut Queues, rows: &Rows, world: &World, plan: &Plan)
+impl<M: Lobe, S: Sampler> Kernel for Shade<'_, M, S>
 where
     Materials: Table<M>,
 {
-    let scale = q.scales.as_ref().map_or(F32x8::splat(1.0), |s| s.scale(rows));
-    let out = shade_rows::<M, S, F32x8>(world, plan, q.paths.gather(rows), scale, &q.hits.gather(rows));
-    q.paths.scatter(rows, out.path);
-    if M::TRANSMITS
-        && let Some(scales) = &mut q.scales
-    {
-        scales.scatter(rows, Scale { scale: out.scale });
+    type Out = ();
+    #[inline(always)]
+    fn run<W: Wide>(self) {
+        let Self { q, kind, world, plan, .. } = self;
+        if plan.sole_kind() {
+            let mut kept = 0;
+            for first in (0..q.paths.len()).step_by(MAX_LANES) {
+                let rows = Rows::range(first, MAX_LANES.min(q.paths.len() - first));
+                let out = shade_group::<M, S, W>(q, &rows, world, plan);
+                let bits = out.alive.bits() & rows.live();
+                q.paths.put(kept, bits, out.path);
+                if let Some(scales) = &mut q.scales {
+                    scales.put(kept, bits, Scale { scale: out.scale });
+                }
+                kept += bits.count_ones() as usize;
+            }
+            q.truncate(kept);
+            return;
+        }
+        let list = std::mem::take(&mut q.by_kind[kind as usize]);
+        for chunk in list.rows().chunks(MAX_LANES) {
+            let rows = Rows::listed(chunk);
+            let out = shade_group::<M, S, W>(q, &rows, world, plan);
+            q.paths.scatter(&rows, out.path);
+            if M::TRANSMITS
+                && let Some(scales) = &mut q.scales
+            {
+                scales.scatter(&rows, Scale { scale: out.scale });
+            }
+            let mut ended = !out.alive.bits() & rows.live();
+            while ended != 0 {
+                let row = rows.at(ended.trailing_zeros() as usize);
+                q.alive[row / MAX_LANES] &= !(1 << (row % MAX_LANES));
+                ended &= ended - 1;
+            }
+        }
+        q.by_kind[kind as usize] = list;
     }
+}
+
+/// Shades a group of rows and appends its shadow rays.
+#[inline(always)]
+fn shade_group<M: Lobe, S: Sampler, W: Wide>(q: &mut Queues, rows: &Rows, world: &World, plan: &Plan) -> Shaded<W>
+where
+    Materials: Table<M>,
+{
+    let scale = match &q.scales {
+        Some(scales) => scales.scale(rows),
+        None => W::splat(1.0),
+    };
+    let out = shade_rows::<M, S, W>(world, plan, q.paths.gather(rows), scale, &q.hits.gather(rows));
     if plan.connect && !M::DELTA {
         q.shadows.append(out.connected.bits() & rows.live(), out.shadow);
     }
-    let alive = out.alive.bits();
-    for i in 0..rows.count() {
-        q.ended[rows.at(i)] = alive >> i & 1 == 0;
-    }
+    out
 }

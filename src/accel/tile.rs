@@ -1,0 +1,269 @@
+//! Tiles of neighbouring rays (kernel C): one test of a node serves 64 rays that run the same way, by intervals that
+//! hold all of them; in a leaf, eight rays meet one triangle at a time.
+//!
+//! A tile whose rays run apart, or whose intervals let too much through, is handed to kernel B.
+
+use super::boxes::{LEAST, distance, keys as keys_of, order};
+use super::group::{Group, farthest};
+use super::layout::Node;
+use super::many::{Batch, Many};
+use super::ray::{Prepared, RayLanes, RaySource, prepare};
+use super::{Bvh, Hit, LEAF, STACK};
+use crate::columns::Rows;
+use crate::lanes::{Kernel, Lanes, LanesU32, MAX_LANES, Mask, Wide, WideU32, dispatch};
+
+/// Rays of a tile.
+pub const TILE: usize = 64;
+const GROUPS: usize = TILE / MAX_LANES;
+/// Work after which a tile is loose: in node tests, which cost about as much as a leaf's test of two groups.
+const LOOSE: usize = 640;
+/// Relative error of an interval's ends against the distances of single rays, with room.
+const INTERVAL_SLACK: f32 = 1.0 + 32.0 * f32::EPSILON;
+
+/// What holds all rays of a tile.
+#[derive(Clone, Copy, Debug)]
+struct Interval {
+    inv: [[f32; 2]; 3],
+    /// The origin that gives the least distance to near planes, and the largest to far ones.
+    near_origin: [f32; 3],
+    far_origin: [f32; 3],
+}
+
+impl Interval {
+    /// Boxes of a node that some ray may meet before `t_max`, and a distance that none of them falls short of.
+    #[inline(always)]
+    fn enter<W: Wide>(&self, node: &Node, like: &Prepared, t_max: f32) -> (W::Mask, W) {
+        let (mut near, mut far) = (W::splat(LEAST), W::splat(t_max));
+        for axis in 0..3 {
+            let (lo, hi) = (W::splat(self.inv[axis][0]), W::splat(self.inv[axis][1]));
+            let n = node.row::<W>(like.near_row(axis)) - W::splat(self.near_origin[axis]);
+            let f = node.row::<W>(like.far_row(axis)) - W::splat(self.far_origin[axis]);
+            near = near.max((n * lo).min(n * hi));
+            far = far.min((f * lo).max(f * hi));
+        }
+        (near.le(far * W::splat(INTERVAL_SLACK)), (near * W::splat(2.0 - INTERVAL_SLACK)).max(W::splat(LEAST)))
+    }
+}
+
+/// Traces tiles of rays; holds its stack between batches.
+#[derive(Clone, Debug)]
+pub struct Tiles {
+    groups: Box<[Group; GROUPS]>,
+    keys: Box<[u32; STACK]>,
+    codes: Box<[u32; STACK]>,
+    parents: Box<[u32; STACK]>,
+    /// For what is loose.
+    many: Many,
+}
+
+/// A part of a batch.
+struct From<'a, R: ?Sized> {
+    rays: &'a R,
+    first: usize,
+}
+
+impl<R: RaySource + ?Sized> RaySource for From<'_, R> {
+    #[inline(always)]
+    fn rays<L: Lanes>(&self, rows: &Rows) -> RayLanes<L> {
+        self.rays.rays(&rows.shifted(self.first))
+    }
+}
+
+impl<R: RaySource + ?Sized, F: FnMut(usize, Hit), const ANY: bool> Kernel for Batch<'_, Tiles, R, F, ANY> {
+    type Out = ();
+    #[inline(always)]
+    fn run<W: Wide>(self) {
+        self.tracer.trace::<W, ANY>(self.bvh, self.count, self.rays, self.found);
+    }
+}
+
+impl Default for Tiles {
+    fn default() -> Self {
+        let stack = || Box::new([0; STACK]);
+        let groups = Box::new([Group::empty(); GROUPS]);
+        Self { groups, keys: stack(), codes: stack(), parents: stack(), many: Many::new() }
+    }
+}
+
+impl Tiles {
+    /// Room for any batch.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Calls `found(i, hit)` with the nearest hit of each of `count` rays, in any order.
+    pub fn closest<R: RaySource + ?Sized>(&mut self, bvh: &Bvh, count: usize, rays: &R, found: impl FnMut(usize, Hit)) {
+        dispatch(Batch::<_, _, _, false> { tracer: self, bvh, count, rays, found });
+    }
+
+    /// Calls `found(i, hit)` with whether each of `count` rays hits anything, in any order.
+    pub fn any<R: RaySource + ?Sized>(
+        &mut self,
+        bvh: &Bvh,
+        count: usize,
+        rays: &R,
+        mut found: impl FnMut(usize, bool),
+    ) {
+        let found = |i, hit: Hit| found(i, hit.is_some());
+        dispatch(Batch::<_, _, _, true> { tracer: self, bvh, count, rays, found });
+    }
+
+    /// [`Self::closest`], or [`Self::any`] with a hit of any kind, in lanes of form `W`.
+    #[inline(always)]
+    pub(crate) fn trace<W: Wide, const ANY: bool>(
+        &mut self,
+        bvh: &Bvh,
+        count: usize,
+        rays: &(impl RaySource + ?Sized),
+        mut found: impl FnMut(usize, Hit),
+    ) {
+        // Loose tiles wait for each other, so that kernel B gets long batches.
+        let mut loose_from = 0;
+        for first in (0..=count).step_by(TILE) {
+            let n = TILE.min(count - first);
+            let done = n > 0 && !bvh.is_empty() && self.tile::<W, ANY>(bvh, rays, first, n);
+            if done || n < TILE {
+                let end = if done { first } else { count };
+                if loose_from < end {
+                    let part = From { rays, first: loose_from };
+                    self.many.trace::<W, ANY>(bvh, end - loose_from, &part, |i, hit| found(loose_from + i, hit));
+                }
+                loose_from = end.max(first + n);
+            }
+            if done {
+                for i in 0..n {
+                    found(first + i, self.groups[i / MAX_LANES].hit(i % MAX_LANES));
+                }
+            }
+        }
+    }
+
+    /// Traces a tile; false if it is not one for this kernel.
+    #[inline(always)]
+    fn tile<W: Wide, const ANY: bool>(
+        &mut self,
+        bvh: &Bvh,
+        rays: &(impl RaySource + ?Sized),
+        first: usize,
+        n: usize,
+    ) -> bool {
+        let Some((like, interval)) = self.load::<W>(rays, first, n) else { return false };
+        let (tree, groups) = (bvh.tree(), n.div_ceil(MAX_LANES));
+        let Self { groups: all, keys, codes, parents, .. } = self;
+        let groups = &mut all[..groups];
+        let mut t_max = farthest::<W>(groups);
+        (keys[0], codes[0], parents[0]) = (0, 0, 0);
+        let (mut top, mut work) = (1, 0);
+        while top > 0 {
+            top -= 1;
+            let (key, code) = (keys[top], codes[top]);
+            if distance(key) > t_max {
+                continue;
+            }
+            work += 1;
+            if code & LEAF == 0 {
+                let node = tree.node(code);
+                let (hit, near) = interval.enter::<W>(node, &like, t_max);
+                let bits = hit.bits();
+                let met = order(keys_of::<W>(hit, near), bits);
+                met.store(&mut keys[top..]);
+                node.children::<W>().permute(met).store(&mut codes[top..]);
+                W::Uint::splat(code).store(&mut parents[top..]);
+                top += bits.count_ones() as usize;
+                continue;
+            }
+            let (leaf, parent, lane) = (tree.leaf(code), tree.node(parents[top]), (key & 7) as usize);
+            let mut any = false;
+            for group in groups.iter_mut() {
+                if group.meets::<W>(parent, lane, &like) {
+                    work += 2;
+                    any |= if ANY { group.any::<W>(leaf, &like) } else { group.closest::<W>(leaf, &like) };
+                }
+            }
+            work += 2;
+            if any {
+                t_max = farthest::<W>(groups);
+            }
+            if work > LOOSE {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Sets the rays up, and finds what holds them; `None` if they do not run the same way.
+    #[inline(always)]
+    fn load<W: Wide>(
+        &mut self,
+        rays: &(impl RaySource + ?Sized),
+        first: usize,
+        n: usize,
+    ) -> Option<(Prepared, Interval)> {
+        let mut differ = W::Uint::splat(0);
+        let mut ways = W::Uint::splat(0);
+        let mut least = [W::splat(f32::INFINITY); 6];
+        let mut largest = [W::splat(f32::NEG_INFINITY); 6];
+        for (g, group) in self.groups[..n.div_ceil(MAX_LANES)].iter_mut().enumerate() {
+            let at = g * MAX_LANES;
+            let batch: RayLanes<W> = rays.rays(&Rows::range(first + at, MAX_LANES.min(n - at)));
+            let (numbers, octant, permutation) = prepare(&batch);
+            let way = octant.or(permutation.shl(3));
+            if g == 0 {
+                ways = W::Uint::splat(way.array()[0]);
+            }
+            differ = differ.or(way.xor(ways));
+            let spread = [numbers[0], numbers[1], numbers[2], batch.origin.x, batch.origin.y, batch.origin.z];
+            for (k, x) in spread.into_iter().enumerate() {
+                least[k] = least[k].min(x);
+                largest[k] = largest[k].max(x);
+            }
+            group.start(numbers, batch.t_max);
+        }
+        if differ.array() != [0; 8] {
+            return None;
+        }
+        let way = ways.array()[0];
+        let like = Prepared::from_numbers([0.0; 16], way & 7, way >> 3);
+        let mut range = [[0.0; 2]; 6];
+        for (k, range) in range.iter_mut().enumerate() {
+            *range = [least[k].min_lane(), -(-largest[k]).min_lane()];
+        }
+        let [inv_x, inv_y, inv_z, origin @ ..] = range;
+        let inv = [inv_x, inv_y, inv_z];
+        let up = |axis: usize| usize::from(way >> axis & 1 == 0);
+        let near_origin = std::array::from_fn(|axis| origin[axis][up(axis)]);
+        let far_origin = std::array::from_fn(|axis| origin[axis][1 - up(axis)]);
+        Some((like, Interval { inv, near_origin, far_origin }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Ray;
+    use super::*;
+    use crate::lanes::F32x8;
+
+    fn wall() -> Bvh {
+        let at = |i: usize, k: usize| [i as f32 / 16.0 - 0.5, k as f32 / 16.0 - 0.5, 2.0];
+        let cell = |i: usize, k: usize| {
+            [[at(i, k), at(i + 1, k), at(i, k + 1)], [at(i + 1, k + 1), at(i, k + 1), at(i + 1, k)]]
+        };
+        let corners: Vec<_> = (0..16).flat_map(|i| (0..16).flat_map(move |k| cell(i, k))).collect();
+        Bvh::build(&corners)
+    }
+
+    /// What a tile is for runs as one; what runs apart, or meets everything, is left to the other kernel.
+    #[test]
+    fn tiles_take_what_runs_together() {
+        let bvh = wall();
+        let fan = |spread: f32, turn: f32| -> Vec<Ray> {
+            let direction = |i: usize| [(i % 8) as f32 * spread + turn, (i / 8) as f32 * spread + turn, 2.0];
+            (0..TILE).map(|i| Ray { origin: [0.0; 3], direction: direction(i), t_max: f32::INFINITY }).collect()
+        };
+        let mut tiles = Tiles::new();
+        let mut taken = |rays: &[Ray]| tiles.tile::<F32x8, false>(&bvh, rays, 0, TILE);
+        assert!(taken(&fan(0.01, 0.02)), "neighbouring pixels");
+        assert!(!taken(&fan(0.01, -0.035)), "to both sides of two axes");
+        assert!(!taken(&fan(0.6, 0.02)), "with different longest axes");
+    }
+}

@@ -1,0 +1,73 @@
+//! Removal of paths that ended: those that go on close up, in order, so that whole registers move.
+
+use super::queues::Queues;
+use crate::columns::Rows;
+use crate::lanes::{Kernel, MAX_LANES, Wide};
+
+/// Moves the rows that go on, and their hits, to the front of the queue.
+pub struct Compact<'a> {
+    pub q: &'a mut Queues,
+}
+
+impl Kernel for Compact<'_> {
+    type Out = ();
+    #[inline(always)]
+    fn run<W: Wide>(self) {
+        let q = self.q;
+        let mut kept = 0;
+        for (group, &alive) in q.alive.iter().enumerate() {
+            let (first, bits) = (group * MAX_LANES, u32::from(alive));
+            let rows = Rows::range(first, MAX_LANES.min(q.paths.len() - first));
+            if first != kept || bits != rows.live() {
+                // What is overwritten lies before the end of this group, which has been read.
+                q.paths.put(kept, bits, q.paths.gather::<W>(&rows));
+                q.hits.put(kept, bits, q.hits.gather::<W>(&rows));
+                if let Some(scales) = &mut q.scales {
+                    scales.put(kept, bits, scales.gather::<W>(&rows));
+                }
+            }
+            kept += bits.count_ones() as usize;
+        }
+        q.truncate(kept);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::columns::Rows;
+    use crate::lanes::{Vec3, dispatch};
+    use crate::wave::compact::Compact;
+    use crate::wave::queues::tests::plan;
+    use crate::wave::queues::{HitRow, Path, Queues};
+    use crate::world::MaterialInput;
+
+    #[test]
+    fn what_goes_on_keeps_its_order_and_its_hit() {
+        let plan = plan(&[MaterialInput::Diffuse { color: [0.5; 3], mattness: 1.0 }], 1.0);
+        let zero = Vec3::splat([0.0; 3]);
+        for alive in [[0xffu8, 0xff, 0x03], [0, 0, 0], [0x81, 0xff, 0x02], [0xff, 0x7f, 0x01], [0, 0x10, 0]] {
+            let mut q = Queues::new(&plan);
+            for slot in 0..18 {
+                let path = Path::<f32> {
+                    origin: zero,
+                    direction: zero,
+                    throughput: zero,
+                    prev_pdf: 0.0,
+                    slot,
+                    depth: 0,
+                    rng: [0; 4],
+                };
+                q.paths.append(1, path);
+                q.hits.put(slot as usize, 1, HitRow::<f32> { u: 0.0, v: 0.0, triangle: 100 + slot });
+            }
+            q.alive.extend(alive);
+            dispatch(Compact { q: &mut q });
+            let expected: Vec<u32> = (0..18).filter(|&i| alive[i as usize / 8] >> (i % 8) & 1 == 1).collect();
+            assert_eq!(q.paths.len(), expected.len());
+            for (row, &slot) in expected.iter().enumerate() {
+                let at = Rows::range(row, 1);
+                assert_eq!((q.paths.slot::<f32>(&at), q.hits.triangle::<f32>(&at)), (slot, 100 + slot));
+            }
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! Stages that compute in lanes have their lanes full. Nothing here is statistical: occupancy follows from the lengths of
+//! queues, and these from the seed.
+
+mod common;
+
+use common::worlds::rooms;
+use common::{SAMPLERS, settings};
+use wavetrace::probe::Stage;
+use wavetrace::render::{Control, Settings};
+use wavetrace::wave::Method;
+
+#[test]
+fn lanes_are_full_where_there_are_paths_enough() {
+    for (name, renderer) in rooms([64, 64]) {
+        for sampler in SAMPLERS {
+            let timed = Settings { time_stages: true, threads: 1, ..settings(Method::Mis, sampler, 16, 2) };
+            let rendered = renderer.render(&timed, &Control::default()).unwrap();
+            for row in &rendered.stages {
+                let occupancy = row.occupancy();
+                assert!((0.0..=1.0).contains(&occupancy) && row.lanes >= row.items, "{name}: {row:?}");
+                if matches!(row.stage, Stage::Generate | Stage::Intersect | Stage::Shade) {
+                    assert!(row.items > 0 && occupancy >= 0.95, "{name}, {sampler:?}: {occupancy} in {row:?}");
+                }
+            }
+        }
+    }
+}
