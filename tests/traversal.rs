@@ -384,6 +384,24 @@ fn closed_meshes_have_no_gaps() {
     assert!(leaks.is_empty(), "{}", some(&leaks));
 }
 
+/// A ray whose end is not a number, or lies behind it, is traced by all kernels without a panic.
+#[test]
+fn ends_that_mean_nothing_are_survived() {
+    let corners = cloud(&mut Random(5), 2000, 0.2);
+    let bvh = Bvh::build(&corners);
+    for t_max in [f32::NAN, -1.0, 0.0, f32::NEG_INFINITY] {
+        let mut random = Random(6);
+        let rays: Vec<Ray> = (0..640)
+            .map(|_| Ray { origin: random.direction().map(|c| 2.0 * c), direction: random.direction(), t_max })
+            .flat_map(|r| bundle(&mut Random(7), &r, 0.0).into_iter().take(4))
+            .collect();
+        let hits = [closest_of_many(&bvh, &rays), closest_of_tiles(&bvh, &rays)].concat();
+        assert!(hits.iter().all(|hit| !hit.is_some()), "{t_max}");
+        let blocked = [any_of_many(&bvh, &rays), any_of_tiles(&bvh, &rays)].concat();
+        assert!(blocked.iter().all(|&b| !b), "{t_max}");
+    }
+}
+
 /// Meshes that give a builder nothing to go by are built in time that grows with their size, not with its square, and
 /// are traced right.
 #[test]

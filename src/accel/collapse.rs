@@ -202,9 +202,9 @@ fn fill(plan: &Plan<'_>, wide: &Wide, mut out: &mut [Block], corners: &[[[f32; 3
 }
 
 /// Entries of a traversal stack that are used at most where `depth` nodes are on the longest way: each leaves at most
-/// seven, the last eight, and there may be one below all.
+/// seven, eight are written at a time, and there may be eight below all.
 fn stack_bound(depth: usize) -> usize {
-    7 * depth + 9
+    7 * depth + 2 * WIDTH
 }
 
 /// The 8-wide tree: nodes in depth-first order, the leaves of each right behind it.

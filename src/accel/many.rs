@@ -243,7 +243,8 @@ impl Slot {
             let t = W::splat(self.hit.t);
             loop {
                 let from = self.top - MAX_LANES;
-                let live = distances::<W>(W::Uint::load(&self.keys[from..])).le(t).bits();
+                // Not behind, rather than before: an end that is not a number leaves the bottom of the stack where it is.
+                let live = !t.lt(distances::<W>(W::Uint::load(&self.keys[from..]))).bits() & 255;
                 self.top = from;
                 if live != 0 {
                     self.top += live.ilog2() as usize;
