@@ -4,7 +4,7 @@
 //! thread, median and best of the repeats.
 
 use std::time::Instant;
-use wavetrace::accel::{Bvh, Hit, Many, Ray, Single};
+use wavetrace::accel::{BatchTracer, Bvh, Hit, Many, Ray, Single};
 use wavetrace::lanes::{Frame, Vec3};
 use wavetrace::sampling::{Decision, Sampler, Xoshiro, warp};
 use wavetrace::scene;

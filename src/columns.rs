@@ -14,16 +14,22 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// The rows `index[0..n]`, n in 1..=8.
+    /// The rows `index[0..n]` in ascending order, n in 1..=8.
     #[inline(always)]
     pub fn listed(index: &[u32]) -> Self {
-        let count = index.len().min(MAX_LANES);
-        let last = index[count - 1];
-        let mut rows = [last; MAX_LANES];
-        rows[..count].copy_from_slice(&index[..count]);
+        let rows = Self::scattered(index);
         // Lists of rows ascend, so equal distance of the ends means no gap.
-        let contiguous = count == MAX_LANES && last.wrapping_sub(rows[0]) == MAX_LANES as u32 - 1;
-        Self { index: rows, count, contiguous }
+        let distance = rows.index[MAX_LANES - 1].wrapping_sub(rows.index[0]);
+        let contiguous = rows.count == MAX_LANES && distance == MAX_LANES as u32 - 1;
+        Self { contiguous, ..rows }
+    }
+    /// The rows `index[0..n]` in any order, n in 1..=8.
+    #[inline(always)]
+    pub fn scattered(index: &[u32]) -> Self {
+        let count = index.len().min(MAX_LANES);
+        let mut rows = [index[count - 1]; MAX_LANES];
+        rows[..count].copy_from_slice(&index[..count]);
+        Self { index: rows, count, contiguous: false }
     }
     /// The `count` rows from `first` on, `count` in 1..=8.
     #[inline(always)]

@@ -408,7 +408,7 @@ fn mistakes_are_named() {
     let folder = Folder::new();
     let with = |args: &[&str], code, parts: &[&str]| folder.fails(code, &[&["room.obj"], args].concat(), parts);
     with(&["--rays", "primary,glossy"], 2, &["'glossy'", "primary, bounce, shuffled, shadow, deep"]);
-    with(&["--kernel", "gpu"], 2, &["'gpu'", "auto, single, many, tile"]);
+    with(&["--kernel", "gpu"], 2, &["'gpu'", "auto, single, many, stream, tile"]);
     for res in ["0", "12", "16392"] {
         with(&["--res", res], 2, &["--res: found", res, "a multiple of 8 from 8 to 16384"]);
     }

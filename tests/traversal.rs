@@ -6,7 +6,7 @@ mod common;
 use common::full;
 use common::meshes::{Soup, cuboid, example, inverted, join, patch, soup, sphere, v};
 use common::random::Random;
-use wavetrace::accel::{BuildOptions, Bvh, Hit, Many, Quality, Ray, Single, Tiles, brute_force};
+use wavetrace::accel::{BatchTracer, BuildOptions, Bvh, Hit, Many, Quality, Ray, Single, Streams, Tiles, brute_force};
 
 fn cloud(random: &mut Random, count: usize, size: f32) -> Soup {
     let mut point = |at: [f32; 3], r: f32| at.map(|c| c + random.within(-r, r));
@@ -185,20 +185,17 @@ fn each_once<T: Clone>(count: usize, trace: impl FnOnce(&mut dyn FnMut(usize, T)
     out.into_iter().map(|result| result.expect("each ray has a result")).collect()
 }
 
-fn closest_of_many(bvh: &Bvh, rays: &[Ray]) -> Vec<Hit> {
-    each_once(rays.len(), |found| Many::new().closest(bvh, rays.len(), rays, found))
+/// Rays that a tracer gets at once: streams that turn out not to pay are given up after as many.
+const AT_ONCE: usize = 2000;
+
+fn closest_of<T: BatchTracer + Default>(bvh: &Bvh, rays: &[Ray]) -> Vec<Hit> {
+    let trace = |rays: &[Ray]| each_once(rays.len(), |found| T::default().closest(bvh, rays.len(), rays, found));
+    rays.chunks(AT_ONCE).flat_map(trace).collect()
 }
 
-fn any_of_many(bvh: &Bvh, rays: &[Ray]) -> Vec<bool> {
-    each_once(rays.len(), |found| Many::new().any(bvh, rays.len(), rays, found))
-}
-
-fn closest_of_tiles(bvh: &Bvh, rays: &[Ray]) -> Vec<Hit> {
-    each_once(rays.len(), |found| Tiles::new().closest(bvh, rays.len(), rays, found))
-}
-
-fn any_of_tiles(bvh: &Bvh, rays: &[Ray]) -> Vec<bool> {
-    each_once(rays.len(), |found| Tiles::new().any(bvh, rays.len(), rays, found))
+fn any_of<T: BatchTracer + Default>(bvh: &Bvh, rays: &[Ray]) -> Vec<bool> {
+    let trace = |rays: &[Ray]| each_once(rays.len(), |found| T::default().any(bvh, rays.len(), rays, found));
+    rays.chunks(AT_ONCE).flat_map(trace).collect()
 }
 
 /// A ray and 63 that run beside it: from one point, as through neighbouring pixels, or side by side up to `apart`.
@@ -236,10 +233,11 @@ fn compare_with_brute_force(kinds: &[usize], without: &[&str], least: usize, apa
         let expected: Vec<Hit> = rays.iter().map(|r| brute_force(&corners, r)).collect();
         let bvh = Bvh::build(&corners);
         let mut single = Single::new(&bvh);
-        let (batch, blocked) = (closest_of_many(&bvh, &rays), any_of_many(&bvh, &rays));
+        let (batch, blocked) = (closest_of::<Many>(&bvh, &rays), any_of::<Many>(&bvh, &rays));
+        let (streamed, stopped) = (closest_of::<Streams>(&bvh, &rays), any_of::<Streams>(&bvh, &rays));
         for (i, (r, e)) in rays.iter().zip(&expected).enumerate() {
             let (one, of_many) = (single.closest(&bvh, r), batch[i]);
-            for (kernel, hit) in [("single", one), ("many", of_many)] {
+            for (kernel, hit) in [("single", one), ("many", of_many), ("stream", streamed[i])] {
                 if bits(&hit) != bits(e) {
                     wrong.push(format!(
                         "{name}, {kernel}, kind {}: {r:?} gave {hit:?}, not {e:?}",
@@ -249,7 +247,8 @@ fn compare_with_brute_force(kinds: &[usize], without: &[&str], least: usize, apa
             }
             // A segment is open at its end, so that what lies exactly there blocks nothing.
             let blocks = e.is_some() && e.t < r.t_max;
-            for (kernel, any) in [("single any", single.any(&bvh, r)), ("many any", blocked[i])] {
+            let any = [("single any", single.any(&bvh, r)), ("many any", blocked[i]), ("stream any", stopped[i])];
+            for (kernel, any) in any {
                 if any != blocks {
                     wrong.push(format!(
                         "{name}, {kernel}, kind {}: {r:?} gave {any}, but {e:?}",
@@ -260,7 +259,7 @@ fn compare_with_brute_force(kinds: &[usize], without: &[&str], least: usize, apa
             hits += usize::from(e.is_some());
         }
         let beside: Vec<Ray> = rays.iter().step_by(64).flat_map(|r| bundle(&mut random, r, apart)).collect();
-        let (tiled, blocked) = (closest_of_tiles(&bvh, &beside), any_of_tiles(&bvh, &beside));
+        let (tiled, blocked) = (closest_of::<Tiles>(&bvh, &beside), any_of::<Tiles>(&bvh, &beside));
         for (i, r) in beside.iter().enumerate() {
             let e = brute_force(&corners, r);
             if bits(&tiled[i]) != bits(&e) || blocked[i] != (e.is_some() && e.t < r.t_max) {
@@ -325,6 +324,7 @@ fn closed_meshes_have_no_gaps() {
         let mut single = Single::new(&bvh);
         let mut random = Random(7);
         let mut rays = Vec::with_capacity(per_origin);
+        let mut all = Vec::new();
         for _ in 0..origins {
             // Half-way along a ray that goes in from the middle of a triangle.
             let t = random.pick(&corners);
@@ -360,22 +360,30 @@ fn closed_meshes_have_no_gaps() {
                 }
             }
             traced += rays.len();
-            for (i, hit) in closest_of_many(&bvh, &rays).iter().enumerate() {
+            for (i, hit) in closest_of::<Many>(&bvh, &rays).iter().enumerate() {
                 if !hit.is_some() {
                     leaks.push(format!("{name}, closest: {:?}", rays[i]));
                 }
             }
             // What starts at one point and goes to all sides is no tile, but a fan about each ray is.
             let fans: Vec<Ray> = rays.iter().step_by(64).flat_map(|r| bundle(&mut random, r, 0.0)).collect();
-            for (i, hit) in closest_of_tiles(&bvh, &fans).iter().enumerate() {
+            for (i, hit) in closest_of::<Tiles>(&bvh, &fans).iter().enumerate() {
                 if !hit.is_some() {
                     leaks.push(format!("{name}, tile: {:?}", fans[i]));
                 }
             }
-            for (i, hit) in any_of_many(&bvh, &rays).iter().enumerate() {
+            for (i, hit) in any_of::<Many>(&bvh, &rays).iter().enumerate() {
                 if !hit {
                     leaks.push(format!("{name}, any: {:?}", rays[i]));
                 }
+            }
+            all.append(&mut rays);
+        }
+        for (i, (hit, blocked)) in
+            closest_of::<Streams>(&bvh, &all).iter().zip(any_of::<Streams>(&bvh, &all)).enumerate()
+        {
+            if !hit.is_some() || !blocked {
+                leaks.push(format!("{name}, stream: {:?}", all[i]));
             }
         }
     }
@@ -395,9 +403,12 @@ fn ends_that_mean_nothing_are_survived() {
             .map(|_| Ray { origin: random.direction().map(|c| 2.0 * c), direction: random.direction(), t_max })
             .flat_map(|r| bundle(&mut Random(7), &r, 0.0).into_iter().take(4))
             .collect();
-        let hits = [closest_of_many(&bvh, &rays), closest_of_tiles(&bvh, &rays)].concat();
+        let hits =
+            [closest_of::<Many>(&bvh, &rays), closest_of::<Streams>(&bvh, &rays), closest_of::<Tiles>(&bvh, &rays)]
+                .concat();
         assert!(hits.iter().all(|hit| !hit.is_some()), "{t_max}");
-        let blocked = [any_of_many(&bvh, &rays), any_of_tiles(&bvh, &rays)].concat();
+        let blocked =
+            [any_of::<Many>(&bvh, &rays), any_of::<Streams>(&bvh, &rays), any_of::<Tiles>(&bvh, &rays)].concat();
         assert!(blocked.iter().all(|&b| !b), "{t_max}");
     }
 }

@@ -1,7 +1,7 @@
 //! Boxes as the build sees them: eight lanes that one minimum joins.
 
 use super::build::Aabb;
-use super::parallel::join;
+use super::parallel::*;
 use crate::lanes::{F32x8, Lanes, WideU32};
 
 /// A box and what it holds: the lower corner, the id as bits, the upper corner negated, so that one minimum of eight
@@ -24,6 +24,15 @@ impl Reference {
     pub fn lanes(&self) -> F32x8 {
         F32x8::load(&self.0)
     }
+}
+
+/// The largest extent of any triangle along any axis.
+pub(super) fn largest_extent(corners: &[[[f32; 3]; 3]]) -> f32 {
+    let extent = |[a, b, c]: &[[f32; 3]; 3]| {
+        let along = |axis: usize| a[axis].max(b[axis]).max(c[axis]) - a[axis].min(b[axis]).min(c[axis]);
+        along(0).max(along(1)).max(along(2))
+    };
+    corners.par_iter().map(extent).reduce(|| 0.0, f32::max)
 }
 
 /// Sets from this size on are looked through by several threads.

@@ -210,7 +210,7 @@ fn stack_bound(depth: usize) -> usize {
 /// The 8-wide tree: nodes in depth-first order, the leaves of each right behind it.
 pub(super) fn collapse(tree: &[BinaryNode], corners: &[[[f32; 3]; 3]]) -> Bvh {
     if tree.is_empty() {
-        return Bvh { arena: Arena::new(0), nodes: 0, leaves: 0, stack_bound: stack_bound(1) };
+        return Bvh { arena: Arena::new(0), nodes: 0, leaves: 0, slack: 0.0, stack_bound: stack_bound(1) };
     }
     let plan = Plan::new(tree);
     let (wides, blocks, deepest) = outline(&plan);
@@ -224,7 +224,7 @@ pub(super) fn collapse(tree: &[BinaryNode], corners: &[[[f32; 3]; 3]]) -> Bvh {
     }
     tasks.into_par_iter().for_each(|(wide, own)| fill(&plan, wide, own, corners));
     let leaves = (blocks - wides.len() * Node::BLOCKS) / Leaf::BLOCKS;
-    Bvh { arena, nodes: wides.len(), leaves, stack_bound: stack_bound(deepest) }
+    Bvh { arena, nodes: wides.len(), leaves, slack: 0.0, stack_bound: stack_bound(deepest) }
 }
 
 #[cfg(test)]

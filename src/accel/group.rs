@@ -12,7 +12,7 @@ use crate::lanes::{LanesU32, Mask, Wide};
 pub(super) struct Group {
     /// As in [`Prepared`].
     pub numbers: [[f32; 8]; 16],
-    /// Distances of the hits; -1 where any hit was looked for and found.
+    /// Distances of the hits; before all where any hit was looked for and found.
     pub t: [f32; 8],
     u: [f32; 8],
     v: [f32; 8],
@@ -51,8 +51,9 @@ impl Group {
 
     /// Whether any ray meets a box of a node before what it has hit.
     #[inline(always)]
-    pub fn meets<W: Wide>(&self, node: &Node, lane: usize, like: &Prepared) -> bool {
-        let (mut near, mut far) = (W::splat(0.0), W::load(&self.t));
+    pub fn meets<W: Wide>(&self, node: &Node, lane: usize, like: &Prepared, slack: f32) -> bool {
+        let pad = self.number::<W>(11).abs() * W::splat(slack);
+        let (mut near, mut far) = (W::splat(0.0), W::load(&self.t) + pad);
         let (inv, near_off, far_off) = (self.three::<W>(0), self.three::<W>(3), self.three::<W>(6));
         for axis in 0..3 {
             let plane = |row: u32| W::splat(node.plane(row, lane));
@@ -65,47 +66,105 @@ impl Group {
     /// Takes what is nearer in a leaf, as single rays do; tells whether anything was.
     #[inline(always)]
     pub fn closest<W: Wide>(&mut self, leaf: &Leaf, like: &Prepared) -> bool {
-        let mut any = false;
-        for (lane, id) in leaf.distinct() {
-            let rays = Sheared { origin: self.three(12), shear: self.three(9), t_max: W::load(&self.t) };
-            let corner = |k, axis| W::splat(leaf.coordinate(k, like.axis(axis), lane));
-            let Some((met, t, u, v)) = rays.test(corner) else { continue };
-            if !met.any() {
-                continue;
-            }
-            let mut take = met;
-            let tie = met & t.eq(rays.t_max);
-            if tie.any() {
-                // Of equally near triangles, the one with the smallest id.
-                let larger = |i: usize| self.triangle[i] != Hit::NONE && self.triangle[i] > id;
-                let larger = W::from_fn(|i| f32::from(u8::from(larger(i)))).gt(W::splat(0.5));
-                take = met & (!tie | larger);
-            }
-            any = true;
-            W::select(take, t, rays.t_max).store(&mut self.t);
-            W::select(take, u, W::load(&self.u)).store(&mut self.u);
-            W::select(take, v, W::load(&self.v)).store(&mut self.v);
-            W::select_u32(take, W::Uint::splat(id), W::Uint::load(&self.triangle)).store(&mut self.triangle);
-        }
-        any
+        let mut hits = self.hits::<W>();
+        self.keep(hits.closest::<true>(leaf, like, self.three(12), self.three(9)), hits)
     }
 
     /// Ends the rays that hit anything in a leaf; tells whether any did.
     #[inline(always)]
     pub fn any<W: Wide>(&mut self, leaf: &Leaf, like: &Prepared) -> bool {
-        let mut any = false;
-        for (lane, _) in leaf.distinct() {
-            let rays = Sheared { origin: self.three(12), shear: self.three(9), t_max: W::load(&self.t) };
-            let corner = |k, axis| W::splat(leaf.coordinate(k, like.axis(axis), lane));
-            let Some((met, t, ..)) = rays.test(corner) else { continue };
-            let take = met & t.lt(rays.t_max);
-            if take.any() {
-                any = true;
-                W::select(take, W::splat(-1.0), rays.t_max).store(&mut self.t);
-                W::select_u32(take, W::Uint::splat(0), W::Uint::load(&self.triangle)).store(&mut self.triangle);
-            }
+        let mut hits = self.hits::<W>();
+        self.keep(hits.any::<true>(leaf, like, self.three(12), self.three(9)), hits)
+    }
+
+    #[inline(always)]
+    fn hits<W: Wide>(&self) -> RayHits<W> {
+        let triangle = W::Uint::load(&self.triangle);
+        RayHits { t: W::load(&self.t), u: W::load(&self.u), v: W::load(&self.v), triangle }
+    }
+
+    #[inline(always)]
+    fn keep<W: Wide>(&mut self, changed: W::Mask, hits: RayHits<W>) -> bool {
+        let any = changed.any();
+        if any {
+            hits.t.store(&mut self.t);
+            hits.u.store(&mut self.u);
+            hits.v.store(&mut self.v);
+            hits.triangle.store(&mut self.triangle);
         }
         any
+    }
+}
+
+/// What eight rays have hit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RayHits<W: Wide> {
+    /// Distances; before all where any hit was looked for and found.
+    pub t: W,
+    pub u: W,
+    pub v: W,
+    pub triangle: W::Uint,
+}
+
+impl<W: Wide> RayHits<W> {
+    /// Takes what is nearer in a leaf, as single rays do; tells of which rays. `origin` and `shear` are as in
+    /// [`Sheared`].
+    #[inline(always)]
+    pub fn closest<const TIGHT: bool>(
+        &mut self,
+        leaf: &Leaf,
+        like: &Prepared,
+        origin: [W; 3],
+        shear: [W; 3],
+    ) -> W::Mask {
+        let mut changed = W::Mask::splat(false);
+        for (lane, id) in leaf.distinct() {
+            let rays = Sheared { origin, shear, t_max: self.t };
+            let corner = |k, axis| W::splat(leaf.coordinate(k, like.axis(axis), lane));
+            let (e, inside) = rays.lines(corner);
+            if TIGHT && !inside.any() {
+                continue;
+            }
+            let (met, t, u, v) = rays.distances(&e, inside);
+            if TIGHT && !met.any() {
+                continue;
+            }
+            let mut take = met;
+            let tie = met & t.eq(self.t);
+            if tie.any() {
+                // Of equally near triangles, the one with the smallest id.
+                let ids = self.triangle.array();
+                let larger = |i: usize| ids[i] != Hit::NONE && ids[i] > id;
+                let larger = W::from_fn(|i| f32::from(u8::from(larger(i)))).gt(W::splat(0.5));
+                take = met & (!tie | larger);
+            }
+            changed = changed | take;
+            self.t = W::select(take, t, self.t);
+            self.u = W::select(take, u, self.u);
+            self.v = W::select(take, v, self.v);
+            self.triangle = W::select_u32(take, W::Uint::splat(id), self.triangle);
+        }
+        changed
+    }
+
+    /// Ends the rays that hit anything in a leaf; tells which.
+    #[inline(always)]
+    pub fn any<const TIGHT: bool>(&mut self, leaf: &Leaf, like: &Prepared, origin: [W; 3], shear: [W; 3]) -> W::Mask {
+        let mut changed = W::Mask::splat(false);
+        for (lane, _) in leaf.distinct() {
+            let rays = Sheared { origin, shear, t_max: self.t };
+            let corner = |k, axis| W::splat(leaf.coordinate(k, like.axis(axis), lane));
+            let (e, inside) = rays.lines(corner);
+            if TIGHT && !inside.any() {
+                continue;
+            }
+            let (met, t, ..) = rays.distances(&e, inside);
+            let take = met & t.lt(self.t);
+            changed = changed | take;
+            self.t = W::select(take, W::splat(f32::NEG_INFINITY), self.t);
+            self.triangle = W::select_u32(take, W::Uint::splat(0), self.triangle);
+        }
+        changed
     }
 }
 

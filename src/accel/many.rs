@@ -2,12 +2,14 @@
 //! all that stand at an inner node take one step, then all that stand at a leaf. Steps of different rays do not wait for
 //! each other, so that the latency of memory and of the sorting network is hidden behind the others.
 
+use super::batch::BatchTracer;
 use super::boxes::{distances, enter, keys, nearest, order};
-use super::ray::{Prepared, Prepared8, RaySource};
+use super::feed::{Feed, FromRoot};
+use super::ray::{Prepared, Prepared8, RaySource, SLAB_SLACK};
 use super::triangle::{any_in_leaf, closest_in_leaf};
 use super::{Bvh, Hit, Ray, STACK, Tree};
 use crate::columns::Rows;
-use crate::lanes::{Kernel, LanesU32, MAX_LANES, Mask, Wide, WideU32, dispatch};
+use crate::lanes::{LanesU32, MAX_LANES, Mask, Wide, WideU32};
 use std::hint::select_unpredictable;
 
 /// Rays in flight; a power of two.
@@ -22,11 +24,13 @@ const BOTTOM: usize = MAX_LANES;
 /// A ray in flight and its stack of nodes and leaves yet to visit.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-struct Slot {
+pub(super) struct Slot {
     prepared: Prepared,
     hit: Hit,
+    /// As in [`Prepared::pad`].
+    pad: f32,
     /// Where the ray stands: a child code.
-    at: u32,
+    pub at: u32,
     /// Number of the ray in the batch.
     ray: u32,
     /// First free entry of the stack.
@@ -60,6 +64,7 @@ impl Default for Many {
         let slot = Slot {
             prepared: Prepared::new(&ray),
             hit: Hit::miss(0.0),
+            pad: 0.0,
             at: DONE,
             ray: 0,
             top: BOTTOM,
@@ -75,27 +80,11 @@ impl Many {
     pub fn new() -> Self {
         Self::default()
     }
+}
 
-    /// Calls `found(i, hit)` with the nearest hit of each of `count` rays, in any order.
-    pub fn closest<R: RaySource + ?Sized>(&mut self, bvh: &Bvh, count: usize, rays: &R, found: impl FnMut(usize, Hit)) {
-        dispatch(Batch::<_, _, _, false> { tracer: self, bvh, count, rays, found });
-    }
-
-    /// Calls `found(i, hit)` with whether each of `count` rays hits anything, in any order.
-    pub fn any<R: RaySource + ?Sized>(
-        &mut self,
-        bvh: &Bvh,
-        count: usize,
-        rays: &R,
-        mut found: impl FnMut(usize, bool),
-    ) {
-        let found = |i, hit: Hit| found(i, hit.is_some());
-        dispatch(Batch::<_, _, _, true> { tracer: self, bvh, count, rays, found });
-    }
-
-    /// [`Self::closest`], or [`Self::any`] with a hit of any kind, in lanes of form `W`.
+impl BatchTracer for Many {
     #[inline(always)]
-    pub(crate) fn trace<W: Wide, const ANY: bool>(
+    fn trace<W: Wide, const ANY: bool>(
         &mut self,
         bvh: &Bvh,
         count: usize,
@@ -106,10 +95,24 @@ impl Many {
             (0..count).for_each(|i| found(i, Hit::miss(rays.rays::<f32>(&Rows::range(i, 1)).t_max)));
             return;
         }
+        self.feed::<W, ANY>(bvh, &FromRoot { rays, count }, found);
+    }
+}
+
+impl Many {
+    /// Traces what a feed holds.
+    #[inline(always)]
+    pub(super) fn feed<W: Wide, const ANY: bool>(
+        &mut self,
+        bvh: &Bvh,
+        feed: &impl Feed,
+        found: impl FnMut(usize, Hit),
+    ) {
+        let tree = bvh.tree_for::<ANY>();
         if bvh.bytes() > LARGE_BYTES {
-            self.fly::<W, ANY, true>(bvh.tree(), count, rays, found);
+            self.fly::<W, ANY, true>(tree, feed, found);
         } else {
-            self.fly::<W, ANY, false>(bvh.tree(), count, rays, found);
+            self.fly::<W, ANY, false>(tree, feed, found);
         }
     }
 
@@ -117,11 +120,11 @@ impl Many {
     fn fly<W: Wide, const ANY: bool, const LARGE: bool>(
         &mut self,
         tree: Tree,
-        count: usize,
-        rays: &(impl RaySource + ?Sized),
+        feed: &impl Feed,
         mut found: impl FnMut(usize, Hit),
     ) {
         let Self { slots, ready } = self;
+        let count = feed.count();
         let mut next = 0;
         let (mut inner, mut leaf, mut waiting, mut idle): (Set, Set, Set, Set) =
             (0, 0, 0, ((1u64 << SLOTS) - 1) as Set);
@@ -129,11 +132,13 @@ impl Many {
             // Refill, then step all rays at inner nodes, then all at leaves.
             while idle != 0 && next < count {
                 if next % MAX_LANES == 0 {
-                    ready.fill::<W>(&rays.rays(&Rows::range(next, MAX_LANES.min(count - next))));
+                    feed.fill::<W>(ready, next);
                 }
                 let s = take(&mut idle);
-                slots[s].start(ready, next);
-                inner |= 1 << s;
+                slots[s].start(tree, ready, next);
+                let at = feed.start::<W, ANY>(&mut slots[s], next);
+                inner |= (at >> 31 ^ 1) << s;
+                leaf |= (at >> 31) << s;
                 next += 1;
             }
             if inner | leaf | waiting == 0 {
@@ -174,28 +179,12 @@ impl Many {
     }
 }
 
-/// A batch of rays for a kernel.
-pub(super) struct Batch<'a, T, R: ?Sized, F, const ANY: bool> {
-    pub tracer: &'a mut T,
-    pub bvh: &'a Bvh,
-    pub count: usize,
-    pub rays: &'a R,
-    pub found: F,
-}
-
-impl<R: RaySource + ?Sized, F: FnMut(usize, Hit), const ANY: bool> Kernel for Batch<'_, Many, R, F, ANY> {
-    type Out = ();
-    #[inline(always)]
-    fn run<W: Wide>(self) {
-        self.tracer.trace::<W, ANY>(self.bvh, self.count, self.rays, self.found);
-    }
-}
-
 impl Slot {
     #[inline(always)]
-    fn start(&mut self, ready: &Prepared8, number: usize) {
+    fn start(&mut self, tree: Tree, ready: &Prepared8, number: usize) {
         ready.copy_to(number % MAX_LANES, &mut self.prepared);
         self.hit = Hit::miss(self.prepared.t_max());
+        self.pad = self.prepared.pad(tree.slack);
         self.at = 0;
         self.top = BOTTOM;
         self.ray = number as u32;
@@ -205,27 +194,51 @@ impl Slot {
     #[inline(always)]
     fn step_inner<W: Wide, const ANY: bool, const LARGE: bool>(&mut self, tree: Tree) -> u32 {
         let node = tree.node(self.at);
-        let (hit, near) = enter::<W>(node, &self.prepared, self.hit.t);
-        let (bits, top, child) = (hit.bits(), self.top, node.children::<W>());
-        // What will be on top is found beside the sort, not read back from the stack, which would wait for it.
-        let below = self.codes[top - 1];
-        let first = if ANY {
-            child.pack(bits).store(&mut self.codes[top..]);
-            bits.checked_ilog2().unwrap_or(0)
-        } else {
-            let keys = keys::<W>(hit, near);
-            let first = nearest::<W>(hit, keys);
-            let sorted = order(keys, bits);
-            sorted.store(&mut self.keys[top..]);
-            child.permute(sorted).store(&mut self.codes[top..]);
-            first
-        };
-        let first = node.child(first as usize);
-        self.top = top + bits.count_ones() as usize - 1;
-        self.at = select_unpredictable(bits == 0, below, first);
+        let (met, near) = enter::<W>(node, &self.prepared, self.hit.t + self.pad);
+        self.descend::<W, ANY>(met, near, node.children::<W>(), |lane| node.child(lane));
         if LARGE {
             tree.prefetch(self.at);
         }
+        self.at
+    }
+
+    /// Pushes the children that the ray meets, nearest on top, and goes to what is on top then. `children` in a
+    /// register are `child` one by one.
+    #[inline(always)]
+    fn descend<W: Wide, const ANY: bool>(
+        &mut self,
+        met: W::Mask,
+        near: W,
+        children: W::Uint,
+        child: impl Fn(usize) -> u32,
+    ) {
+        let (bits, top) = (met.bits(), self.top);
+        // What will be on top is found beside the sort, not read back from the stack, which would wait for it.
+        let below = self.codes[top - 1];
+        let first = if ANY {
+            children.pack(bits).store(&mut self.codes[top..]);
+            bits.checked_ilog2().unwrap_or(0)
+        } else {
+            let keys = keys::<W>(met, near);
+            let first = nearest::<W>(met, keys);
+            let sorted = order(keys, bits);
+            sorted.store(&mut self.keys[top..]);
+            children.permute(sorted).store(&mut self.codes[top..]);
+            first
+        };
+        let first = child(first as usize);
+        self.top = top + bits.count_ones() as usize - 1;
+        self.at = select_unpredictable(bits == 0, below, first);
+    }
+
+    /// Goes on with a ray that has hit `hit`, and has yet to visit those of `codes` that it enters, at `near`, before the
+    /// hit: a distance that is not a number stands for none.
+    #[inline(always)]
+    pub(super) fn resume<W: Wide, const ANY: bool>(&mut self, hit: Hit, near: &[f32; 8], codes: &[u32; 8]) -> u32 {
+        self.hit = hit;
+        let near = W::load(near);
+        let met = near.le(W::splat((hit.t + self.pad) * SLAB_SLACK));
+        self.descend::<W, ANY>(met, near, W::Uint::load(codes), |lane| codes[lane & 7]);
         self.at
     }
 
@@ -240,7 +253,7 @@ impl Slot {
         } else {
             self.hit = closest_in_leaf::<W>(leaf, &self.prepared, &self.hit);
             // What lies behind the hit is dropped from the top, up to eight entries at a time.
-            let t = W::splat(self.hit.t);
+            let t = W::splat(self.hit.t + self.pad);
             loop {
                 let from = self.top - MAX_LANES;
                 // Not behind, rather than before: an end that is not a number leaves the bottom of the stack where it is.

@@ -4,11 +4,13 @@
 //! rounding, and of equally near triangles the one with the smallest id is taken.
 
 mod arena;
+mod batch;
 mod bounds;
 mod boxes;
 mod brute;
 mod build;
 mod collapse;
+mod feed;
 mod group;
 mod layout;
 mod many;
@@ -16,13 +18,16 @@ mod parallel;
 mod ray;
 mod sah;
 mod single;
+mod stream;
 mod tile;
 mod triangle;
 
+pub use batch::BatchTracer;
 pub use brute::brute_force;
 pub use many::Many;
-pub use ray::{RayLanes, RaySource};
+pub use ray::{RayLanes, RaySource, RaysFrom};
 pub use single::Single;
+pub use stream::Streams;
 pub use tile::Tiles;
 
 use crate::error::Result;
@@ -95,6 +100,8 @@ pub struct BuildOptions {
 #[derive(Clone, Copy)]
 struct Tree<'a> {
     blocks: &'a [Block],
+    /// As in [`Bvh`].
+    slack: f32,
 }
 
 impl<'a> Tree<'a> {
@@ -127,7 +134,14 @@ pub struct Bvh {
     leaves: usize,
     /// Entries that a traversal stack can hold at most.
     stack_bound: usize,
+    /// Error of a hit's distance along the ray's main axis: a box may be entered as far behind a hit and hold a nearer
+    /// one.
+    slack: f32,
 }
+
+/// Error of the distance that the triangle test finds, over the triangle's largest extent: some roundings of products of
+/// coordinates relative to the ray's start, with room. More at needles, in proportion to extent over width.
+const DISTANCE_ERROR: f32 = 16.0 * f32::EPSILON;
 
 impl Bvh {
     /// Builds the tree on all cores. Corners are finite.
@@ -147,7 +161,8 @@ impl Bvh {
         let collapsed = |reinserted| collapse::collapse(&build::binary_tree(corners, quality, reinserted), corners);
         let bvh = collapsed(quality == Quality::Best);
         // Reinsertion may leave a way that is too long; the tree before it has none.
-        if bvh.stack_bound <= STACK { bvh } else { collapsed(false) }
+        let bvh = if bvh.stack_bound <= STACK { bvh } else { collapsed(false) };
+        Self { slack: DISTANCE_ERROR * bounds::largest_extent(corners), ..bvh }
     }
     /// Whether there is no triangle, and so no node.
     fn is_empty(&self) -> bool {
@@ -156,7 +171,13 @@ impl Bvh {
     /// What a traversal fetches from, once per batch.
     #[inline(always)]
     fn tree(&self) -> Tree<'_> {
-        Tree { blocks: self.arena.blocks() }
+        Tree { blocks: self.arena.blocks(), slack: self.slack }
+    }
+    /// The same for nearest hits, or for any. Where any will do, what lies behind the end of the ray is never looked at:
+    /// which boxes are entered does not depend on what was hit before.
+    #[inline(always)]
+    fn tree_for<const ANY: bool>(&self) -> Tree<'_> {
+        Tree { slack: if ANY { 0.0 } else { self.slack }, ..self.tree() }
     }
     /// Bytes held.
     pub fn bytes(&self) -> usize {

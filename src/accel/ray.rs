@@ -33,6 +33,21 @@ impl RaySource for [Ray] {
     }
 }
 
+/// The rays of a batch from `first` on.
+pub struct RaysFrom<'a, R: ?Sized> {
+    /// The batch.
+    pub rays: &'a R,
+    /// Number of the ray that becomes the first.
+    pub first: usize,
+}
+
+impl<R: RaySource + ?Sized> RaySource for RaysFrom<'_, R> {
+    #[inline(always)]
+    fn rays<L: Lanes>(&self, rows: &Rows) -> RayLanes<L> {
+        self.rays.rays(&rows.shifted(self.first))
+    }
+}
+
 impl From<RayLanes<f32>> for Ray {
     fn from(r: RayLanes<f32>) -> Self {
         Self { origin: r.origin.lane(0), direction: r.direction.lane(0), t_max: r.t_max }
@@ -82,6 +97,17 @@ fn permute<L: Lanes>(v: Vec3<L>, up: L::Mask, z_over: L::Mask, y_over_x: L::Mask
     let along_y = select3(up, Vec3::new(v.z, v.x, v.y), Vec3::new(v.x, v.z, v.y));
     let along_z = select3(up, v, Vec3::new(v.y, v.x, v.z));
     select3(z_over, along_z, select3(y_over_x, along_y, along_x))
+}
+
+/// Numbers of ways are below this.
+pub(super) const WAYS: usize = 64;
+
+/// The way that a ray runs: its octant, and above it its permutation. Rays of one way read the same rows of nodes and
+/// the same axes of triangles.
+#[inline(always)]
+pub(super) fn way_of<L: Lanes>(ray: &RayLanes<L>) -> L::Uint {
+    let (_, octant, permutation) = prepare(ray);
+    octant.or(permutation.shl(3))
 }
 
 /// The sixteen numbers of each ray, its octant and its permutation, in lanes.
@@ -164,6 +190,12 @@ impl Prepared {
     #[inline(always)]
     pub fn shear(&self, k: usize) -> f32 {
         self.numbers[9 + k]
+    }
+    /// How far behind a hit a box may be entered and hold a nearer one, by the error of distances. `slack` is that along
+    /// the main axis.
+    #[inline(always)]
+    pub fn pad(&self, slack: f32) -> f32 {
+        self.shear(2).abs() * slack
     }
     /// The origin on permuted axis `k`.
     #[inline(always)]

@@ -38,19 +38,20 @@ impl Single {
             return hit;
         }
         let (tree, prepared) = (bvh.tree(), Prepared::new(ray));
+        let pad = prepared.pad(tree.slack);
         self.keys[0] = 0;
         self.codes[0] = 0;
         let mut top = 1;
         while top > 0 {
             top -= 1;
-            if distance(self.keys[top]) > hit.t {
+            if distance(self.keys[top]) > hit.t + pad {
                 continue;
             }
             let code = self.codes[top];
             if code & LEAF != 0 {
                 hit = closest_in_leaf::<W>(tree.leaf(code), &prepared, &hit);
             } else {
-                top += self.push::<W>(tree.node(code), &prepared, hit.t, top);
+                top += self.push::<W>(tree.node(code), &prepared, hit.t + pad, top);
             }
         }
         hit

@@ -3,14 +3,15 @@
 //!
 //! A tile whose rays run apart, or whose intervals let too much through, is handed to kernel B.
 
+use super::batch::BatchTracer;
 use super::boxes::{LEAST, distance, keys as keys_of, order};
 use super::group::{Group, farthest};
 use super::layout::Node;
-use super::many::{Batch, Many};
-use super::ray::{Prepared, RayLanes, RaySource, prepare};
+use super::ray::{Prepared, RayLanes, RaySource, RaysFrom, prepare};
+use super::stream::Streams;
 use super::{Bvh, Hit, LEAF, STACK};
 use crate::columns::Rows;
-use crate::lanes::{Kernel, Lanes, LanesU32, MAX_LANES, Mask, Wide, WideU32, dispatch};
+use crate::lanes::{LanesU32, MAX_LANES, Mask, Wide, WideU32};
 
 /// Rays of a tile.
 pub const TILE: usize = 64;
@@ -24,6 +25,8 @@ const INTERVAL_SLACK: f32 = 1.0 + 32.0 * f32::EPSILON;
 #[derive(Clone, Copy, Debug)]
 struct Interval {
     inv: [[f32; 2]; 3],
+    /// The largest of the shears along the main axis.
+    shear: f32,
     /// The origin that gives the least distance to near planes, and the largest to far ones.
     near_origin: [f32; 3],
     far_origin: [f32; 3],
@@ -52,36 +55,14 @@ pub struct Tiles {
     keys: Box<[u32; STACK]>,
     codes: Box<[u32; STACK]>,
     parents: Box<[u32; STACK]>,
-    /// For what is loose.
-    many: Many,
-}
-
-/// A part of a batch.
-struct From<'a, R: ?Sized> {
-    rays: &'a R,
-    first: usize,
-}
-
-impl<R: RaySource + ?Sized> RaySource for From<'_, R> {
-    #[inline(always)]
-    fn rays<L: Lanes>(&self, rows: &Rows) -> RayLanes<L> {
-        self.rays.rays(&rows.shifted(self.first))
-    }
-}
-
-impl<R: RaySource + ?Sized, F: FnMut(usize, Hit), const ANY: bool> Kernel for Batch<'_, Tiles, R, F, ANY> {
-    type Out = ();
-    #[inline(always)]
-    fn run<W: Wide>(self) {
-        self.tracer.trace::<W, ANY>(self.bvh, self.count, self.rays, self.found);
-    }
+    loose: Streams,
 }
 
 impl Default for Tiles {
     fn default() -> Self {
         let stack = || Box::new([0; STACK]);
         let groups = Box::new([Group::empty(); GROUPS]);
-        Self { groups, keys: stack(), codes: stack(), parents: stack(), many: Many::new() }
+        Self { groups, keys: stack(), codes: stack(), parents: stack(), loose: Streams::new() }
     }
 }
 
@@ -90,27 +71,11 @@ impl Tiles {
     pub fn new() -> Self {
         Self::default()
     }
+}
 
-    /// Calls `found(i, hit)` with the nearest hit of each of `count` rays, in any order.
-    pub fn closest<R: RaySource + ?Sized>(&mut self, bvh: &Bvh, count: usize, rays: &R, found: impl FnMut(usize, Hit)) {
-        dispatch(Batch::<_, _, _, false> { tracer: self, bvh, count, rays, found });
-    }
-
-    /// Calls `found(i, hit)` with whether each of `count` rays hits anything, in any order.
-    pub fn any<R: RaySource + ?Sized>(
-        &mut self,
-        bvh: &Bvh,
-        count: usize,
-        rays: &R,
-        mut found: impl FnMut(usize, bool),
-    ) {
-        let found = |i, hit: Hit| found(i, hit.is_some());
-        dispatch(Batch::<_, _, _, true> { tracer: self, bvh, count, rays, found });
-    }
-
-    /// [`Self::closest`], or [`Self::any`] with a hit of any kind, in lanes of form `W`.
+impl BatchTracer for Tiles {
     #[inline(always)]
-    pub(crate) fn trace<W: Wide, const ANY: bool>(
+    fn trace<W: Wide, const ANY: bool>(
         &mut self,
         bvh: &Bvh,
         count: usize,
@@ -125,8 +90,8 @@ impl Tiles {
             if done || n < TILE {
                 let end = if done { first } else { count };
                 if loose_from < end {
-                    let part = From { rays, first: loose_from };
-                    self.many.trace::<W, ANY>(bvh, end - loose_from, &part, |i, hit| found(loose_from + i, hit));
+                    let part = RaysFrom { rays, first: loose_from };
+                    self.loose.trace::<W, ANY>(bvh, end - loose_from, &part, |i, hit| found(loose_from + i, hit));
                 }
                 loose_from = end.max(first + n);
             }
@@ -136,6 +101,13 @@ impl Tiles {
                 }
             }
         }
+    }
+}
+
+impl Tiles {
+    /// The kernel for rays that are no tiles.
+    pub fn loose(&mut self) -> &mut Streams {
+        &mut self.loose
     }
 
     /// Traces a tile; false if it is not one for this kernel.
@@ -148,10 +120,11 @@ impl Tiles {
         n: usize,
     ) -> bool {
         let Some((like, interval)) = self.load::<W>(rays, first, n) else { return false };
-        let (tree, groups) = (bvh.tree(), n.div_ceil(MAX_LANES));
+        let (tree, groups) = (bvh.tree_for::<ANY>(), n.div_ceil(MAX_LANES));
         let Self { groups: all, keys, codes, parents, .. } = self;
         let groups = &mut all[..groups];
-        let mut t_max = farthest::<W>(groups);
+        let pad = interval.shear * tree.slack;
+        let mut t_max = farthest::<W>(groups) + pad;
         (keys[0], codes[0], parents[0]) = (0, 0, 0);
         let (mut top, mut work) = (1, 0);
         while top > 0 {
@@ -175,14 +148,14 @@ impl Tiles {
             let (leaf, parent, lane) = (tree.leaf(code), tree.node(parents[top]), (key & 7) as usize);
             let mut any = false;
             for group in groups.iter_mut() {
-                if group.meets::<W>(parent, lane, &like) {
+                if group.meets::<W>(parent, lane, &like, tree.slack) {
                     work += 2;
                     any |= if ANY { group.any::<W>(leaf, &like) } else { group.closest::<W>(leaf, &like) };
                 }
             }
             work += 2;
             if any {
-                t_max = farthest::<W>(groups);
+                t_max = farthest::<W>(groups) + pad;
             }
             if work > LOOSE {
                 return false;
@@ -203,6 +176,7 @@ impl Tiles {
         let mut ways = W::Uint::splat(0);
         let mut least = [W::splat(f32::INFINITY); 6];
         let mut largest = [W::splat(f32::NEG_INFINITY); 6];
+        let mut shear = W::splat(0.0);
         for (g, group) in self.groups[..n.div_ceil(MAX_LANES)].iter_mut().enumerate() {
             let at = g * MAX_LANES;
             let batch: RayLanes<W> = rays.rays(&Rows::range(first + at, MAX_LANES.min(n - at)));
@@ -217,6 +191,7 @@ impl Tiles {
                 least[k] = least[k].min(x);
                 largest[k] = largest[k].max(x);
             }
+            shear = shear.max(numbers[11].abs());
             group.start(numbers, batch.t_max);
         }
         if differ.array() != [0; 8] {
@@ -233,7 +208,7 @@ impl Tiles {
         let up = |axis: usize| usize::from(way >> axis & 1 == 0);
         let near_origin = std::array::from_fn(|axis| origin[axis][up(axis)]);
         let far_origin = std::array::from_fn(|axis| origin[axis][1 - up(axis)]);
-        Some((like, Interval { inv, near_origin, far_origin }))
+        Some((like, Interval { inv, shear: -(-shear).min_lane(), near_origin, far_origin }))
     }
 }
 

@@ -7,7 +7,7 @@ use crate::lanes::{Lanes, Mask, Wide};
 use std::hint::select_unpredictable;
 
 /// Edge functions of lanes of triangles, and their corners in the ray's frame.
-struct Edges<L> {
+pub(super) struct Edges<L> {
     u: L,
     v: L,
     w: L,
@@ -56,7 +56,7 @@ impl<L: Lanes> Sheared<L> {
     /// Edge functions, and the lanes in which they agree in sign: the line of the ray meets the triangle. `corner(k,
     /// axis)` gives corners on permuted axes.
     #[inline(always)]
-    fn lines(&self, corner: impl Fn(usize, usize) -> L) -> (Edges<L>, L::Mask) {
+    pub fn lines(&self, corner: impl Fn(usize, usize) -> L) -> (Edges<L>, L::Mask) {
         let zero = L::splat(0.0);
         let e = self.edges(corner);
         let (least, largest) = e.extremes();
@@ -72,7 +72,7 @@ impl<L: Lanes> Sheared<L> {
     }
     /// (lanes whose triangle is met in (0, `t_max`], t, u, v). The end is included for the sake of ties.
     #[inline(always)]
-    fn distances(&self, e: &Edges<L>, inside: L::Mask) -> (L::Mask, L, L, L) {
+    pub fn distances(&self, e: &Edges<L>, inside: L::Mask) -> (L::Mask, L, L, L) {
         let inv = L::splat(1.0) / (e.u + e.v + e.w);
         let along = e.u * e.a[2] + e.v * e.b[2] + e.w * e.c[2];
         let t = along * (inv * -self.shear[2]);

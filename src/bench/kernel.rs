@@ -4,7 +4,7 @@
 
 use super::cpu;
 use super::files::{HitRecord, RayRecord};
-use crate::accel::{Bvh, Hit, Many, Ray, RayLanes, RaySource, Single, Tiles};
+use crate::accel::{BatchTracer, Bvh, Hit, Many, Ray, RayLanes, RaySource, Single, Streams, Tiles};
 use crate::columns::Rows;
 use crate::lanes::{F32x8, Lanes, Vec3};
 use std::thread;
@@ -12,21 +12,28 @@ use std::thread;
 /// How rays are traced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kernel {
-    /// What suits the rays: tiles for those of a camera, and for those to a light unless the tree is large; else many.
+    /// What suits the rays: tiles for those of a camera, and for those to a light unless the tree is large; else streams.
     #[default]
     Auto,
     /// One ray after the other.
     Single,
     /// Many rays in flight per thread.
     Many,
-    /// Tiles of rays that run the same way; rays that do not go to `Many`.
+    /// Streams of rays through the top of the tree, and `Many` below; where most would go on below, `Many` alone.
+    Stream,
+    /// Tiles of rays that run the same way; rays that do not go to `Stream`.
     Tile,
 }
 
 impl Kernel {
     /// All kernels and their names.
-    pub const ALL: &[(Self, &str)] =
-        &[(Self::Auto, "auto"), (Self::Single, "single"), (Self::Many, "many"), (Self::Tile, "tile")];
+    pub const ALL: &[(Self, &str)] = &[
+        (Self::Auto, "auto"),
+        (Self::Single, "single"),
+        (Self::Many, "many"),
+        (Self::Stream, "stream"),
+        (Self::Tile, "tile"),
+    ];
 
     /// Its name.
     pub fn name(self) -> &'static str {
@@ -102,9 +109,10 @@ impl Tracer<'_> {
         };
         match self.kernel {
             Kernel::Single => single(self.bvh, rays, hits, query),
-            Kernel::Auto if !tiles_pay => many(self.bvh, rays, hits, query),
-            Kernel::Many => many(self.bvh, rays, hits, query),
-            Kernel::Auto | Kernel::Tile => tile(self.bvh, rays, hits, query),
+            Kernel::Many => batch(Many::new(), self.bvh, rays, hits, query),
+            Kernel::Auto if !tiles_pay => batch(Streams::new(), self.bvh, rays, hits, query),
+            Kernel::Stream => batch(Streams::new(), self.bvh, rays, hits, query),
+            Kernel::Auto | Kernel::Tile => batch(Tiles::new(), self.bvh, rays, hits, query),
         }
     }
 }
@@ -119,16 +127,8 @@ fn single(bvh: &Bvh, rays: &[RayRecord], hits: &mut [HitRecord], query: Query) {
     }
 }
 
-fn many(bvh: &Bvh, rays: &[RayRecord], hits: &mut [HitRecord], query: Query) {
-    let mut kernel = Many::new();
-    match query {
-        Query::Camera | Query::Closest => kernel.closest(bvh, rays.len(), rays, |i, hit| put(hits, i, closest(hit))),
-        Query::Any => kernel.any(bvh, rays.len(), rays, |i, hit| put(hits, i, any(hit))),
-    }
-}
-
-fn tile(bvh: &Bvh, rays: &[RayRecord], hits: &mut [HitRecord], query: Query) {
-    let mut kernel = Tiles::new();
+/// Through a kernel for batches.
+fn batch(mut kernel: impl BatchTracer, bvh: &Bvh, rays: &[RayRecord], hits: &mut [HitRecord], query: Query) {
     match query {
         Query::Camera | Query::Closest => kernel.closest(bvh, rays.len(), rays, |i, hit| put(hits, i, closest(hit))),
         Query::Any => kernel.any(bvh, rays.len(), rays, |i, hit| put(hits, i, any(hit))),

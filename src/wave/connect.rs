@@ -2,7 +2,7 @@
 
 use super::Samples;
 use super::queues::{Queues, ShadowQueue};
-use crate::accel::{Bvh, Many, RayLanes, RaySource};
+use crate::accel::{BatchTracer, Bvh, RayLanes, RaySource, Streams};
 use crate::columns::Rows;
 use crate::lanes::{Kernel, Lanes, Vec3, Wide};
 
@@ -24,7 +24,7 @@ impl RaySource for ShadowQueue {
 pub struct Connect<'a> {
     pub q: &'a mut Queues,
     pub bvh: &'a Bvh,
-    pub tracer: &'a mut Many,
+    pub tracer: &'a mut Streams,
     pub samples: &'a mut Samples,
 }
 

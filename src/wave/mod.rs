@@ -23,7 +23,7 @@ pub use plan::{BOUNCE_LIMIT, Method, Plan, PrevPdf};
 pub use queues::{HitRow, Path, Queues};
 pub use shade::{Shaded, shade_rows};
 
-use crate::accel::{Bvh, Many, Tiles};
+use crate::accel::{Bvh, Tiles};
 use crate::lanes::{Lanes, LanesU32, Vec3, dispatch};
 use crate::material::for_kind;
 use crate::probe::{Probe, Stage};
@@ -121,8 +121,7 @@ const TILE: usize = 64;
 #[derive(Clone, Debug)]
 pub struct Wave<S> {
     queues: Queues,
-    many: Many,
-    tiles: Tiles,
+    tracer: Tiles,
     samples: Samples,
     sampler: PhantomData<S>,
 }
@@ -130,13 +129,7 @@ pub struct Wave<S> {
 impl<S: Sampler> Wave<S> {
     /// A wave for what the plan needs.
     pub fn new(cx: &Context<'_>) -> Self {
-        Self {
-            queues: Queues::new(cx.plan),
-            many: Many::new(),
-            tiles: Tiles::new(),
-            samples: Samples::default(),
-            sampler: PhantomData,
-        }
+        Self { queues: Queues::new(cx.plan), tracer: Tiles::new(), samples: Samples::default(), sampler: PhantomData }
     }
 
     /// Bytes that the wave holds.
@@ -147,7 +140,7 @@ impl<S: Sampler> Wave<S> {
     /// Traces all samples of a job, and returns their radiance by slot.
     pub fn run(&mut self, cx: &Context<'_>, job: &Job, probe: &mut impl Probe, counts: &mut Counts) -> &[[f32; 3]] {
         let Context { world, bvh, plan, seed } = *cx;
-        let Self { queues: q, many, tiles, samples, .. } = self;
+        let Self { queues: q, tracer, samples, .. } = self;
         samples.reset(job.paths());
         let mut next = 0;
         loop {
@@ -163,7 +156,7 @@ impl<S: Sampler> Wave<S> {
             }
             counts.camera += count as u64;
             counts.bounce += fresh as u64;
-            probe.stage(Stage::Intersect, n, || dispatch(Intersect { q, bvh, many, tiles, fresh }));
+            probe.stage(Stage::Intersect, n, || dispatch(Intersect { q, bvh, tracer, fresh }));
             probe.stage(Stage::Route, n, || dispatch(Route { q, world, plan, counts }));
             if let Some(background) = world.background {
                 probe.stage(Stage::Escape, q.escaped.len(), || dispatch(Escape { q, background, samples }));
@@ -186,7 +179,7 @@ impl<S: Sampler> Wave<S> {
             if plan.connect {
                 let shadows = q.shadows.len();
                 counts.shadow += shadows as u64;
-                probe.stage(Stage::Connect, shadows, || dispatch(Connect { q, bvh, tracer: many, samples }));
+                probe.stage(Stage::Connect, shadows, || dispatch(Connect { q, bvh, tracer: tracer.loose(), samples }));
             }
             if plan.kinds.is_empty() {
                 q.truncate(0);
