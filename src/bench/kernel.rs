@@ -6,7 +6,7 @@ use super::cpu;
 use super::files::{HitRecord, RayRecord};
 use crate::accel::{BatchTracer, Bvh, Hit, Many, Ray, RayLanes, RaySource, Single, Streams, Tiles};
 use crate::columns::Rows;
-use crate::lanes::{F32x8, Lanes, Vec3};
+use crate::lanes::{Lanes, MAX_LANES, Vec3};
 use std::thread;
 
 /// How rays are traced.
@@ -48,6 +48,16 @@ impl Kernel {
 /// Bytes of a tree up to which tiles of shadow rays are faster: measured at 3 MB and 68 MB.
 const TILED_SHADOWS: usize = 16 << 20;
 
+/// Runs that each thread gets, where they are neither too short nor too long.
+const RUNS: usize = 16;
+/// A shorter run would show how a kernel starts and ends.
+const SHORTEST: usize = 1 << 12;
+/// A longer one would gain nothing.
+const LONGEST: usize = 1 << 16;
+
+/// Rays that are dealt out together, and where their hits go.
+type Run<'a> = (&'a [RayRecord], &'a mut [HitRecord]);
+
 /// What is asked of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Query {
@@ -73,21 +83,24 @@ pub struct Tracer<'a> {
 impl Tracer<'_> {
     /// Traces all rays `passes` times; the hits, in their order, go to the front of `hits`, which is at least as long.
     ///
-    /// Each thread takes one share of neighbouring rays, and is on a CPU of its own where there are enough of them.
-    /// Threads start and end within.
+    /// Runs of rays are dealt out to the threads in turn, so that each gets a like share of the image. Each is on
+    /// a CPU of its own where there are enough of them. Threads start and end within.
     pub fn trace(&self, rays: &[RayRecord], hits: &mut [HitRecord], query: Query, passes: usize) {
         let cpus = cpu::allowed();
         let threads = self.threads.max(1);
-        // Whole groups of lanes.
-        let share = rays.len().div_ceil(threads).next_multiple_of(F32x8::N).max(F32x8::N);
+        let run = rays.len().div_ceil(threads * RUNS).next_multiple_of(MAX_LANES).clamp(SHORTEST, LONGEST);
+        let mut shares: Vec<Vec<Run>> = (0..threads).map(|_| Vec::new()).collect();
+        for (number, part) in rays.chunks(run).zip(hits.chunks_mut(run)).enumerate() {
+            shares[number % threads].push(part);
+        }
         thread::scope(|scope| {
-            for (k, (rays, hits)) in rays.chunks(share).zip(hits.chunks_mut(share)).enumerate() {
+            for (k, mut runs) in shares.into_iter().enumerate() {
                 let cpu = if threads <= cpus.len() { cpus.get(k).copied() } else { None };
                 scope.spawn(move || {
                     if let Some(cpu) = cpu {
                         cpu::pin(cpu);
                     }
-                    (0..passes).for_each(|_| self.share(rays, hits, query));
+                    (0..passes).for_each(|_| self.share(&mut runs, query));
                 });
             }
         });
@@ -101,37 +114,44 @@ impl Tracer<'_> {
     }
 
     /// What one thread does.
-    fn share(&self, rays: &[RayRecord], hits: &mut [HitRecord], query: Query) {
+    fn share(&self, runs: &mut [Run], query: Query) {
         let tiles_pay = match query {
             Query::Camera => true,
             Query::Any => self.bvh.bytes() <= TILED_SHADOWS,
             Query::Closest => false,
         };
         match self.kernel {
-            Kernel::Single => single(self.bvh, rays, hits, query),
-            Kernel::Many => batch(Many::new(), self.bvh, rays, hits, query),
-            Kernel::Auto if !tiles_pay => batch(Streams::new(), self.bvh, rays, hits, query),
-            Kernel::Stream => batch(Streams::new(), self.bvh, rays, hits, query),
-            Kernel::Auto | Kernel::Tile => batch(Tiles::new(), self.bvh, rays, hits, query),
+            Kernel::Single => single(self.bvh, runs, query),
+            Kernel::Many => batch(Many::new(), self.bvh, runs, query),
+            Kernel::Auto if !tiles_pay => batch(Streams::new(), self.bvh, runs, query),
+            Kernel::Stream => batch(Streams::new(), self.bvh, runs, query),
+            Kernel::Auto | Kernel::Tile => batch(Tiles::new(), self.bvh, runs, query),
         }
     }
 }
 
-fn single(bvh: &Bvh, rays: &[RayRecord], hits: &mut [HitRecord], query: Query) {
+/// One ray after the other.
+fn single(bvh: &Bvh, runs: &mut [Run], query: Query) {
     let mut kernel = Single::new(bvh);
     let ray = |r: &RayRecord| Ray { origin: r.origin, direction: r.direction, t_max: r.t_max };
-    let pairs = rays.iter().zip(hits);
-    match query {
-        Query::Camera | Query::Closest => pairs.for_each(|(r, hit)| *hit = closest(kernel.closest(bvh, &ray(r)))),
-        Query::Any => pairs.for_each(|(r, hit)| *hit = any(kernel.any(bvh, &ray(r)))),
+    for (rays, hits) in runs {
+        let pairs = rays.iter().zip(hits.iter_mut());
+        match query {
+            Query::Camera | Query::Closest => pairs.for_each(|(r, hit)| *hit = closest(kernel.closest(bvh, &ray(r)))),
+            Query::Any => pairs.for_each(|(r, hit)| *hit = any(kernel.any(bvh, &ray(r)))),
+        }
     }
 }
 
 /// Through a kernel for batches.
-fn batch(mut kernel: impl BatchTracer, bvh: &Bvh, rays: &[RayRecord], hits: &mut [HitRecord], query: Query) {
-    match query {
-        Query::Camera | Query::Closest => kernel.closest(bvh, rays.len(), rays, |i, hit| put(hits, i, closest(hit))),
-        Query::Any => kernel.any(bvh, rays.len(), rays, |i, hit| put(hits, i, any(hit))),
+fn batch(mut kernel: impl BatchTracer, bvh: &Bvh, runs: &mut [Run], query: Query) {
+    for (rays, hits) in runs {
+        match query {
+            Query::Camera | Query::Closest => {
+                kernel.closest(bvh, rays.len(), *rays, |i, hit| put(hits, i, closest(hit)));
+            }
+            Query::Any => kernel.any(bvh, rays.len(), *rays, |i, hit| put(hits, i, any(hit))),
+        }
     }
 }
 

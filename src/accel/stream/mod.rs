@@ -29,8 +29,9 @@ const WAITING: usize = 512;
 const SHORT: usize = 12;
 /// Rays of a batch below which all of it is left to kernel B: its lists would be short.
 const FEW: usize = 256;
-/// Share of a batch that waits, in per cent, above which the next rays are left to kernel B at once,
-const MOST: usize = 70;
+/// Share of a batch that waits, in per cent, above which the next rays are left to kernel B at once, where nearest hits
+/// and where any are looked for,
+const MOST: [usize; 2] = [70, 50];
 /// and how many.
 const DIRECT: usize = 32 * BATCH;
 
@@ -97,7 +98,7 @@ impl BatchTracer for Streams {
             if *direct > 0 || n < FEW {
                 *direct = direct.saturating_sub(n);
                 self.many.trace::<W, ANY>(bvh, n, &RaysFrom { rays, first }, |i, hit| found(first + i, hit));
-            } else if self.batch::<W, ANY>(bvh, rays, first, n, &mut found) * 100 > n * MOST {
+            } else if self.batch::<W, ANY>(bvh, rays, first, n, &mut found) * 100 > n * MOST[usize::from(ANY)] {
                 self.direct[usize::from(ANY)] = DIRECT;
             }
             first += n;
