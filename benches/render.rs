@@ -1,7 +1,7 @@
 //! Whole renders, interleaved: `cargo bench --bench render [-- SCENE.json ...]`.
 //!
-//! For each scene the reference integrator and the wavefront on one thread, and the wavefront on two and on one again,
-//! in turn; prints samples per second (median of the repeats) and the medians of the ratios pair by pair. Then the
+//! For each scene the scalar and the reference integrator and the wavefront on one thread, and the wavefront on two and
+//! on one again, in turn; prints samples per second (median of the repeats) and the medians of the ratios pair by pair. Then the
 //! stages' shares, the bytes of a path, the time from the file to the first ray, and the same for a mesh of one million
 //! triangles, written to a temporary folder.
 
@@ -32,24 +32,31 @@ fn seconds(renderer: &Renderer, settings: &Settings) -> f64 {
 fn compare(name: &str, renderer: &Renderer) {
     let wave = Settings { spp: SPP, threads: 1, ..Settings::default() };
     let reference = Settings { integrator: Integrator::Reference, ..wave.clone() };
+    let scalar = Settings { integrator: Integrator::Scalar, ..wave.clone() };
     let two = Settings { threads: 2, ..wave.clone() };
     let samples = f64::from(renderer.world().width()) * f64::from(renderer.world().height()) * f64::from(SPP);
-    let (mut r, mut w, mut t) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut gain, mut scaling) = (Vec::new(), Vec::new());
+    let (mut s, mut r, mut w, mut t) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let (mut over_scalar, mut gain, mut scaling) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..REPEATS {
         let (a, b) = (seconds(renderer, &reference), seconds(renderer, &wave));
+        let e = seconds(renderer, &scalar);
         let (c, d) = (seconds(renderer, &two), seconds(renderer, &wave));
+        over_scalar.push(e / b);
         gain.push(a / b);
         scaling.push(d / c);
+        s.push(samples / e / 1e6);
         r.push(samples / a / 1e6);
         w.extend([samples / b / 1e6, samples / d / 1e6]);
         t.push(samples / c / 1e6);
     }
     println!(
-        "{name:16} reference {:6.3}  wavefront {:6.3}  two threads {:6.3} Msamples/s   wavefront/reference {:.2}  two/one {:.2}",
+        "{name:16} scalar {:6.3}  reference {:6.3}  wavefront {:6.3}  two threads {:6.3} Msamples/s\n{:16} wavefront/scalar {:.2}  wavefront/reference {:.2}  two/one {:.2}",
+        median(s),
         median(r),
         median(w),
         median(t),
+        "",
+        median(over_scalar),
         median(gain),
         median(scaling)
     );

@@ -188,7 +188,7 @@ fn mistakes_in_the_command_line_exit_with_2_and_render_nothing() {
         (&["--max-depth", "-1"], "'-1'"),
         (&["--method", "bdpt"], "path, nee, mis"),
         (&["--sampler", "halton"], "xoshiro, sobol"),
-        (&["--integrator", "x"], "wavefront, reference"),
+        (&["--integrator", "x"], "wavefront, reference, scalar"),
         (&["--tonemap", "filmic"], "clamp, max"),
         (&["--exposure", "nan"], "finite"),
         (&["--exposure", "-inf"], "finite"),
@@ -335,6 +335,7 @@ fn same_seed_same_image_whatever_the_threads_and_the_wave() {
     assert_eq!(one, pixels(&folder, &["--spp", "8", "--threads", "2"]));
     assert_eq!(one, pixels(&folder, &["8", "--wave", "7", "--seed", "0"]));
     assert_eq!(one, pixels(&folder, &["8", "--integrator", "reference"]));
+    assert_eq!(one, pixels(&folder, &["8", "--integrator", "scalar"]));
     for other in
         [["--seed", "1"], ["--sampler", "sobol"], ["--method", "path"], ["--method", "nee"], ["--max-depth", "0"]]
     {

@@ -57,10 +57,13 @@ fn the_waves_give_the_image_of_the_reference() {
                 for (max_depth, spp) in [(None, 20), (Some(0), 2), (Some(1), 4), (Some(3), 8)] {
                     let wave = Settings { max_depth, ..settings(method, sampler, spp, 11) };
                     let (film, counts) = render(&renderer, &wave);
-                    let (other, c) = render(&renderer, &Settings { integrator: Integrator::Reference, ..wave.clone() });
-                    assert_same(&film, &other, &format!("{name}, {method:?}, {sampler:?}, depth {max_depth:?}"));
-                    let of = |c: &Counts| (c.camera, c.bounce, c.shadow, c.cut);
-                    assert_eq!(of(&counts), of(&c), "{name}, {method:?}, {sampler:?}, depth {max_depth:?}");
+                    for integrator in [Integrator::Reference, Integrator::Scalar] {
+                        let (other, c) = render(&renderer, &Settings { integrator, ..wave.clone() });
+                        let what = format!("{name}, {method:?}, {sampler:?}, depth {max_depth:?}, {integrator:?}");
+                        assert_same(&film, &other, &what);
+                        let of = |c: &Counts| (c.camera, c.bounce, c.shadow, c.cut);
+                        assert_eq!(of(&counts), of(&c), "{what}");
+                    }
                     assert_eq!(counts.camera, u64::from(SIZE[0] * SIZE[1] * spp));
                 }
             }

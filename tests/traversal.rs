@@ -6,7 +6,9 @@ mod common;
 use common::full;
 use common::meshes::{Soup, cuboid, example, inverted, join, patch, soup, sphere, v};
 use common::random::Random;
-use wavetrace::accel::{BatchTracer, BuildOptions, Bvh, Hit, Many, Quality, Ray, Single, Streams, Tiles, brute_force};
+use wavetrace::accel::{
+    BatchTracer, BuildOptions, Bvh, Hit, Many, Quality, Ray, Scalar, Single, Streams, Tiles, brute_force,
+};
 
 fn cloud(random: &mut Random, count: usize, size: f32) -> Soup {
     let mut point = |at: [f32; 3], r: f32| at.map(|c| c + random.within(-r, r));
@@ -232,12 +234,17 @@ fn compare_with_brute_force(kinds: &[usize], without: &[&str], least: usize, apa
         let rays: Vec<Ray> = (0..count).map(|i| ray(&mut random, &corners, &bounds, kinds[i % kinds.len()])).collect();
         let expected: Vec<Hit> = rays.iter().map(|r| brute_force(&corners, r)).collect();
         let bvh = Bvh::build(&corners);
-        let mut single = Single::new(&bvh);
+        let (mut single, mut scalar) = (Single::new(&bvh), Scalar::new(&bvh));
         let (batch, blocked) = (closest_of::<Many>(&bvh, &rays), any_of::<Many>(&bvh, &rays));
         let (streamed, stopped) = (closest_of::<Streams>(&bvh, &rays), any_of::<Streams>(&bvh, &rays));
         for (i, (r, e)) in rays.iter().zip(&expected).enumerate() {
-            let (one, of_many) = (single.closest(&bvh, r), batch[i]);
-            for (kernel, hit) in [("single", one), ("many", of_many), ("stream", streamed[i])] {
+            let found = [
+                ("single", single.closest(&bvh, r)),
+                ("scalar", scalar.closest(&bvh, r)),
+                ("many", batch[i]),
+                ("stream", streamed[i]),
+            ];
+            for (kernel, hit) in found {
                 if bits(&hit) != bits(e) {
                     wrong.push(format!(
                         "{name}, {kernel}, kind {}: {r:?} gave {hit:?}, not {e:?}",
@@ -247,7 +254,12 @@ fn compare_with_brute_force(kinds: &[usize], without: &[&str], least: usize, apa
             }
             // A segment is open at its end, so that what lies exactly there blocks nothing.
             let blocks = e.is_some() && e.t < r.t_max;
-            let any = [("single any", single.any(&bvh, r)), ("many any", blocked[i]), ("stream any", stopped[i])];
+            let any = [
+                ("single any", single.any(&bvh, r)),
+                ("scalar any", scalar.any(&bvh, r)),
+                ("many any", blocked[i]),
+                ("stream any", stopped[i]),
+            ];
             for (kernel, any) in any {
                 if any != blocks {
                     wrong.push(format!(

@@ -33,6 +33,8 @@ pub enum Integrator {
     Wavefront,
     /// One path after the other: the same image, slowly
     Reference,
+    /// One path, box and triangle after the other, without SIMD: the same image, still more slowly
+    Scalar,
 }
 
 /// What the tree is built for, `--bvh`.
@@ -98,6 +100,7 @@ impl From<Integrator> for render::Integrator {
         match integrator {
             Integrator::Wavefront => Self::Wavefront,
             Integrator::Reference => Self::Reference,
+            Integrator::Scalar => Self::Scalar,
         }
     }
 }

@@ -20,6 +20,7 @@ pub fn run(args: &RenderArgs) -> Result<Exit, Exit> {
     let integrator = match args.integrator {
         Integrator::Wavefront => format!("wavefront, SIMD: {}", lanes::simd()),
         Integrator::Reference => "reference: one path at a time takes the decisions below".to_owned(),
+        Integrator::Scalar => "scalar: one path, box and triangle at a time takes the decisions below".to_owned(),
     };
     let rows = [
         ("scene", args.scene.display().to_string()),

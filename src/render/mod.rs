@@ -29,8 +29,10 @@ pub enum Integrator {
     /// Waves of paths through batched stages.
     #[default]
     Wavefront,
-    /// One path after the other, one lane: the oracle and the baseline.
+    /// One path after the other, one lane, but eight boxes or triangles of the tree at once: the oracle.
     Reference,
+    /// The same with one box and one triangle at a time: scalar throughout, the baseline.
+    Scalar,
 }
 
 /// What to render with.

@@ -1,7 +1,7 @@
 //! The reference: one path after the other, depth first, one lane. It makes the same decisions from the same random
 //! numbers as the waves, and so gives the same image; it is their oracle and the baseline that they have to beat.
 
-use crate::accel::{Hit, Ray, Single};
+use crate::accel::{Hit, Ray, Scalar, Single};
 use crate::lanes::{Kernel, Vec3, Wide, dispatch};
 use crate::material::{Kind, for_kind};
 use crate::sampling::Sampler;
@@ -15,28 +15,39 @@ use std::marker::PhantomData;
 #[derive(Clone, Debug)]
 pub(super) struct Reference {
     tracer: Single,
+    scalar: Scalar,
     samples: Samples,
 }
 
 impl Reference {
     pub fn new(cx: &Context<'_>) -> Self {
-        Self { tracer: Single::new(cx.bvh), samples: Samples::default() }
+        Self { tracer: Single::new(cx.bvh), scalar: Scalar::new(cx.bvh), samples: Samples::default() }
     }
 
-    /// Traces all samples of a job, and returns their radiance by slot.
-    pub fn run<S: Sampler>(&mut self, cx: &Context<'_>, job: &Job, counts: &mut Counts) -> &[[f32; 3]] {
+    /// Traces all samples of a job, and returns their radiance by slot; with one box and triangle at a time if `SCALAR`.
+    pub fn run<S: Sampler, const SCALAR: bool>(
+        &mut self,
+        cx: &Context<'_>,
+        job: &Job,
+        counts: &mut Counts,
+    ) -> &[[f32; 3]] {
         self.samples.reset(job.paths());
-        dispatch(Paths { reference: self, sampler: PhantomData::<S>, cx, job, counts });
+        dispatch(Paths::<S, SCALAR> { reference: self, sampler: PhantomData, cx, job, counts });
         self.samples.all()
     }
 
     #[inline(always)]
-    fn trace<S: Sampler, W: Wide>(&mut self, cx: &Context<'_>, mut path: Path<f32>, counts: &mut Counts) {
+    fn trace<S: Sampler, W: Wide, const SCALAR: bool>(
+        &mut self,
+        cx: &Context<'_>,
+        mut path: Path<f32>,
+        counts: &mut Counts,
+    ) {
         let Context { world, bvh, plan, .. } = *cx;
         let mut scale = 1.0;
         loop {
             let ray = Ray { origin: path.origin.lane(0), direction: path.direction.lane(0), t_max: f32::INFINITY };
-            let hit = self.tracer.closest_as::<W>(bvh, &ray);
+            let hit = if SCALAR { self.scalar.closest(bvh, &ray) } else { self.tracer.closest_as::<W>(bvh, &ray) };
             if hit.triangle == Hit::NONE {
                 if let Some(background) = world.background {
                     self.add(path.slot, background_radiance(background, &path));
@@ -60,7 +71,8 @@ impl Reference {
             let Some(out) = out else { return };
             if out.connected {
                 counts.shadow += 1;
-                if !self.tracer.any_as::<W>(bvh, &shadow_rays(out.shadow.origin, out.shadow.direction).into()) {
+                let ray = shadow_rays(out.shadow.origin, out.shadow.direction).into();
+                if !(if SCALAR { self.scalar.any(bvh, &ray) } else { self.tracer.any_as::<W>(bvh, &ray) }) {
                     self.add(path.slot, out.shadow.radiance);
                 }
             }
@@ -77,8 +89,8 @@ impl Reference {
     }
 }
 
-/// All paths of a job. They have one lane; the tree's boxes have eight.
-struct Paths<'a, S> {
+/// All paths of a job. They have one lane; the tree's boxes have eight, or one.
+struct Paths<'a, S, const SCALAR: bool> {
     reference: &'a mut Reference,
     sampler: PhantomData<S>,
     cx: &'a Context<'a>,
@@ -86,7 +98,7 @@ struct Paths<'a, S> {
     counts: &'a mut Counts,
 }
 
-impl<S: Sampler> Kernel for Paths<'_, S> {
+impl<S: Sampler, const SCALAR: bool> Kernel for Paths<'_, S, SCALAR> {
     type Out = ();
     #[inline(always)]
     fn run<W: Wide>(self) {
@@ -94,7 +106,7 @@ impl<S: Sampler> Kernel for Paths<'_, S> {
         for slot in 0..job.paths() {
             let path = camera_paths::<S, f32>(&cx.world.view, cx.seed, job, slot, slot);
             counts.camera += 1;
-            reference.trace::<S, W>(cx, path, counts);
+            reference.trace::<S, W, SCALAR>(cx, path, counts);
         }
     }
 }

@@ -101,7 +101,8 @@ pub(super) fn run<S: Sampler, P: Probe>(cx: &Context<'_>, settings: &Settings, c
             let before = counts.rays();
             let samples = match &mut wave {
                 Some(wave) => wave.run(cx, &job, &mut probe, &mut counts),
-                None => reference.run::<S>(cx, &job, &mut counts),
+                None if settings.integrator == Integrator::Scalar => reference.run::<S, true>(cx, &job, &mut counts),
+                None => reference.run::<S, false>(cx, &job, &mut counts),
             };
             probe.stage(Stage::Accumulate, samples.len(), || accumulate(&job, samples, &mut sums));
             control.advance(job.paths() as u64, counts.rays() - before);

@@ -94,7 +94,7 @@ impl fmt::Display for Plan {
         let mut line =
             |runs: bool, stage: &str, how: &str| writeln!(f, "  {} {stage:<11} {how}", if runs { "+" } else { "-" });
         line(true, "generate", "camera rays, in lanes")?;
-        line(true, "intersect", "8-wide BVH, many rays in flight")?;
+        line(true, "intersect", "8-wide BVH; camera rays in tiles, others in streams and many in flight")?;
         line(
             true,
             "route",
@@ -125,7 +125,7 @@ impl fmt::Display for Plan {
             self.connect,
             "connect",
             match (self.connect, self.method) {
-                (true, _) => "a shadow ray per hit on a finite lobe",
+                (true, _) => "a shadow ray per hit on a finite lobe, in streams and many in flight",
                 (false, Method::Path) => "method path",
                 (false, _) => "no light, or no surface that could be connected to one",
             },

@@ -1,0 +1,91 @@
+//! One ray, one box and one triangle at a time, without lanes: what a traversal costs that knows nothing of batches or
+//! registers. The baseline of the other kernels, and an oracle of theirs that shares the tree and the formulas alone.
+
+use super::layout::{Leaf, Node};
+use super::ray::{Prepared, SLAB_SLACK};
+use super::triangle::Sheared;
+use super::{Bvh, Hit, LEAF, Ray};
+use crate::lanes::{Lanes, MAX_LANES};
+
+/// Traverses a tree with one ray at a time; holds the stack between rays.
+#[derive(Clone, Debug, Default)]
+pub struct Scalar {
+    /// Where the ray enters what is yet to be visited, and its code.
+    stack: Vec<(f32, u32)>,
+}
+
+impl Scalar {
+    /// Room for any traversal of `bvh`.
+    pub fn new(bvh: &Bvh) -> Self {
+        Self { stack: Vec::with_capacity(bvh.stack_bound) }
+    }
+
+    /// The nearest hit.
+    pub fn closest(&mut self, bvh: &Bvh, ray: &Ray) -> Hit {
+        self.trace::<false>(bvh, ray)
+    }
+
+    /// Whether anything is hit.
+    pub fn any(&mut self, bvh: &Bvh, ray: &Ray) -> bool {
+        self.trace::<true>(bvh, ray).is_some()
+    }
+
+    fn trace<const ANY: bool>(&mut self, bvh: &Bvh, ray: &Ray) -> Hit {
+        let mut hit = Hit::miss(ray.t_max);
+        if bvh.is_empty() {
+            return hit;
+        }
+        let (tree, prepared) = (bvh.tree_for::<ANY>(), Prepared::new(ray));
+        let pad = prepared.pad(tree.slack);
+        self.stack.clear();
+        self.stack.push((0.0, 0));
+        while let Some((near, code)) = self.stack.pop() {
+            if near > hit.t + pad {
+                continue;
+            }
+            if code & LEAF == 0 {
+                self.push(tree.node(code), &prepared, hit.t + pad);
+                continue;
+            }
+            meet(tree.leaf(code), &prepared, &mut hit);
+            if ANY && hit.is_some() && hit.t < ray.t_max {
+                break;
+            }
+        }
+        // A segment is open at its end.
+        if ANY && hit.t >= ray.t_max { Hit::miss(ray.t_max) } else { hit }
+    }
+
+    /// Pushes the children that the ray meets, the nearest last.
+    fn push(&mut self, node: &Node, ray: &Prepared, end: f32) {
+        let first = self.stack.len();
+        for lane in 0..MAX_LANES {
+            let (mut near, mut far) = (0.0f32, end);
+            for axis in 0..3 {
+                let plane = |row| node.plane(row, lane);
+                let n = Lanes::mul_add(plane(ray.near_row(axis)), ray.inv(axis), -ray.near_off(axis));
+                let f = Lanes::mul_add(plane(ray.far_row(axis)), ray.inv(axis), -ray.far_off(axis));
+                (near, far) = (Lanes::max(near, n), Lanes::min(far, f));
+            }
+            if near <= far * SLAB_SLACK {
+                let mut at = self.stack.len();
+                self.stack.push((near, node.child(lane)));
+                while at > first && self.stack[at - 1].0 < near {
+                    self.stack.swap(at - 1, at);
+                    at -= 1;
+                }
+            }
+        }
+    }
+}
+
+/// Takes what is nearer in a leaf, of equally near triangles that of the smaller id.
+fn meet(leaf: &Leaf, ray: &Prepared, hit: &mut Hit) {
+    for (lane, id) in leaf.distinct() {
+        let ray_ = Sheared::<f32>::splat(ray, hit.t);
+        let Some((true, t, u, v)) = ray_.test(|k, axis| leaf.coordinate(k, ray.axis(axis), lane)) else { continue };
+        if t < hit.t || (t == hit.t && hit.is_some() && id < hit.triangle) {
+            *hit = Hit { t, u, v, triangle: id };
+        }
+    }
+}
