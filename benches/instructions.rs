@@ -1,13 +1,13 @@
 //! Instructions per ray of each kernel and per sample of whole renders, counted by callgrind:
 //! `RUSTFLAGS="-C target-cpu=x86-64-v3" cargo bench --bench instructions`.
 //!
-//! A count is exact and the same on every machine that takes the same code, whatever else runs there; it is not a time.
-//! Callgrind knows no AVX-512, so that a build for a machine that has it cannot be counted. Each count is the difference of
+//! A count is the same on every machine that takes the same code, whatever else runs there; it is not a time. All work is
+//! done on one thread. Callgrind knows no AVX-512, so that a build for a machine that has it cannot be counted. Each count is the difference of
 //! two runs, one of which does the work once more than the other, over the rays or samples of that work: reading,
 //! building and starting cancel out.
 
 use std::process::{Command, ExitCode};
-use wavetrace::accel::Bvh;
+use wavetrace::accel::{BuildOptions, Bvh, Quality};
 use wavetrace::bench::{self, HitRecord, Kernel, Options, SetKind, Tracer, mesh, room};
 use wavetrace::render::{Control, Integrator, Renderer, Settings};
 use wavetrace::scene;
@@ -15,6 +15,7 @@ use wavetrace::scene;
 /// Triangles of the rooms; the largest that callgrind takes through in little time.
 const ROOMS: [usize; 3] = [36, 3_000, 37_488];
 const RES: u32 = 128;
+const ONE_THREAD: BuildOptions = BuildOptions { quality: Quality::Balanced, threads: 1 };
 const SCENES: [&str; 2] = ["cornell", "demo3"];
 /// Pixels across and down of a scene.
 const SIDE: u32 = 96;
@@ -22,7 +23,7 @@ const SIDE: u32 = 96;
 /// Traces a set `passes` times; returns the number of its rays.
 fn trace(triangles: usize, kernel: Kernel, kind: SetKind, passes: usize) -> usize {
     let corners = mesh::corners(&room(triangles, 1));
-    let bvh = Bvh::build(&corners);
+    let bvh = Bvh::build_with(&corners, &ONE_THREAD).expect("a thread");
     let make = Tracer { bvh: &bvh, kernel: Kernel::Many, threads: 1 };
     let options = Options { res: RES, ..Options::default() };
     let (sets, _) = bench::make(&corners, &make, &options, &[kind]).expect("options in range");
@@ -37,7 +38,8 @@ fn render(name: &str, integrator: Integrator, spp: usize) -> usize {
     let file = format!("{}/scenes/{name}.json", env!("CARGO_MANIFEST_DIR"));
     let mut builder = scene::load(file.as_ref()).expect("a scene that loads").builder;
     (builder.camera_mut().width, builder.camera_mut().height) = (SIDE, SIDE);
-    let renderer = Renderer::new(builder.build().expect("a scene that builds"));
+    let world = builder.build().expect("a scene that builds");
+    let renderer = Renderer::with_options(world, &ONE_THREAD).expect("a thread");
     let settings = Settings { spp: spp as u32, threads: 1, integrator, ..Settings::default() };
     renderer.render(&settings, &Control::default()).expect("settings in range");
     (SIDE * SIDE) as usize
@@ -93,12 +95,12 @@ fn table() -> Result<(), String> {
             let counts = SetKind::ALL.map(|kind| per_item(&[&room.to_string(), kernel, kind.name()], 1, 2));
             let cells = counts.into_iter().collect::<Result<Vec<f64>, _>>()?;
             let cells: Vec<String> = cells.iter().map(|c| format!("{c:.0}")).collect();
-            println!("| {room} triangles | {kernel} | {} |", cells.join(" | "));
+            println!("| about {room} triangles | {kernel} | {} |", cells.join(" | "));
         }
     }
     println!("\n| instructions per sample | wavefront | reference |\n|---|---|---|");
     for scene in SCENES {
-        let count = |integrator| per_item(&[scene, integrator], 8, 16);
+        let count = |integrator| per_item(&[scene, integrator], 16, 32);
         println!("| `{scene}` | {:.0} | {:.0} |", count("wavefront")?, count("reference")?);
     }
     Ok(())

@@ -237,12 +237,16 @@ fn compare_with_brute_force(kinds: &[usize], without: &[&str], least: usize, apa
         let (mut single, mut scalar) = (Single::new(&bvh), Scalar::new(&bvh));
         let (batch, blocked) = (closest_of::<Many>(&bvh, &rays), any_of::<Many>(&bvh, &rays));
         let (streamed, stopped) = (closest_of::<Streams>(&bvh, &rays), any_of::<Streams>(&bvh, &rays));
+        let at_once = each_once(rays.len(), |found| Streams::new().closest(&bvh, rays.len(), rays.as_slice(), found));
+        let stopped_at_once: Vec<bool> =
+            each_once(rays.len(), |found| Streams::new().any(&bvh, rays.len(), rays.as_slice(), found));
         for (i, (r, e)) in rays.iter().zip(&expected).enumerate() {
             let found = [
                 ("single", single.closest(&bvh, r)),
                 ("scalar", scalar.closest(&bvh, r)),
                 ("many", batch[i]),
                 ("stream", streamed[i]),
+                ("streams at once", at_once[i]),
             ];
             for (kernel, hit) in found {
                 if bits(&hit) != bits(e) {
@@ -259,6 +263,7 @@ fn compare_with_brute_force(kinds: &[usize], without: &[&str], least: usize, apa
                 ("scalar any", scalar.any(&bvh, r)),
                 ("many any", blocked[i]),
                 ("stream any", stopped[i]),
+                ("streams any at once", stopped_at_once[i]),
             ];
             for (kernel, any) in any {
                 if any != blocks {
@@ -404,7 +409,7 @@ fn closed_meshes_have_no_gaps() {
     assert!(leaks.is_empty(), "{}", some(&leaks));
 }
 
-/// A ray whose end is not a number, or lies behind it, is traced by all kernels without a panic.
+/// A ray whose end is not a number, or lies behind it, is traced by the kernels for batches without a panic.
 #[test]
 fn ends_that_mean_nothing_are_survived() {
     let corners = cloud(&mut Random(5), 2000, 0.2);
@@ -423,6 +428,35 @@ fn ends_that_mean_nothing_are_survived() {
             [any_of::<Many>(&bvh, &rays), any_of::<Streams>(&bvh, &rays), any_of::<Tiles>(&bvh, &rays)].concat();
         assert!(blocked.iter().all(|&b| !b), "{t_max}");
     }
+}
+
+/// A ray that is not made of numbers changes nothing for those beside it.
+#[test]
+fn a_ray_without_numbers_keeps_to_itself() {
+    let corners = cloud(&mut Random(8), 2000, 0.2);
+    let bvh = Bvh::build(&corners);
+    let mut random = Random(9);
+    let mut found = 0;
+    for wrong in 0..64 {
+        let ray = Ray { origin: random.direction().map(|c| 2.0 * c), direction: [0.0; 3], t_max: f32::INFINITY };
+        let mut rays = bundle(&mut random, &Ray { direction: ray.origin.map(|c| -c), ..ray }, 0.0);
+        match wrong % 3 {
+            0 => rays[wrong].origin[1] = f32::NAN,
+            1 => rays[wrong].direction[wrong % 2] = f32::NAN,
+            _ => rays[wrong].t_max = f32::NAN,
+        }
+        let many = [rays.as_slice(); 8].concat();
+        for (kernel, hits) in
+            [("tile", closest_of::<Tiles>(&bvh, &rays)), ("stream", closest_of::<Streams>(&bvh, &many))]
+        {
+            for (i, hit) in hits.iter().enumerate().filter(|(i, _)| i % 64 != wrong) {
+                let expected = brute_force(&corners, &rays[i % 64]);
+                assert_eq!(bits(hit), bits(&expected), "{kernel}, ray {i} beside {wrong}");
+                found += usize::from(hit.is_some());
+            }
+        }
+    }
+    assert!(found > 1000, "only {found} hits");
 }
 
 /// Meshes that give a builder nothing to go by are built in time that grows with their size, not with its square, and

@@ -90,15 +90,6 @@ const ROWS: [[u32; 8]; 8] = {
 const AXES: [[u32; 4]; 8] =
     [[1, 2, 0, 0], [2, 0, 1, 0], [0, 1, 2, 0], [0, 1, 2, 0], [2, 1, 0, 0], [0, 2, 1, 0], [1, 0, 2, 0], [1, 0, 2, 0]];
 
-/// Axes in the order of [`AXES`]; a function, because a closure need not be inlined.
-#[inline(always)]
-fn permute<L: Lanes>(v: Vec3<L>, up: L::Mask, z_over: L::Mask, y_over_x: L::Mask) -> Vec3<L> {
-    let along_x = select3(up, Vec3::new(v.y, v.z, v.x), Vec3::new(v.z, v.y, v.x));
-    let along_y = select3(up, Vec3::new(v.z, v.x, v.y), Vec3::new(v.x, v.z, v.y));
-    let along_z = select3(up, v, Vec3::new(v.y, v.x, v.z));
-    select3(z_over, along_z, select3(y_over_x, along_y, along_x))
-}
-
 /// Numbers of ways are below this.
 pub(super) const WAYS: usize = 64;
 
@@ -106,8 +97,48 @@ pub(super) const WAYS: usize = 64;
 /// the same axes of triangles.
 #[inline(always)]
 pub(super) fn way_of<L: Lanes>(ray: &RayLanes<L>) -> L::Uint {
-    let (_, octant, permutation) = prepare(ray);
-    octant.or(permutation.shl(3))
+    let d = ray.direction;
+    octant(d).or(Longest::of(d).number().shl(3))
+}
+
+/// Signs of the direction, a bit per axis.
+#[inline(always)]
+fn octant<L: Lanes>(d: Vec3<L>) -> L::Uint {
+    let sign = |v: L| v.to_bits().shr(31);
+    sign(d.x).or(sign(d.y).shl(1)).or(sign(d.z).shl(2))
+}
+
+/// Which component of the direction is the largest, and whether it is upwards.
+struct Longest<L: Lanes> {
+    up: L::Mask,
+    z_over: L::Mask,
+    y_over_x: L::Mask,
+}
+
+impl<L: Lanes> Longest<L> {
+    #[inline(always)]
+    fn of(d: Vec3<L>) -> Self {
+        let a = d.abs();
+        let y_over_x = a.x.le(a.y);
+        let z_over = a.x.max(a.y).le(a.z);
+        let main = L::select(z_over, d.z, L::select(y_over_x, d.y, d.x));
+        Self { up: L::splat(0.0).le(main), z_over, y_over_x }
+    }
+    /// Number of the permutation in [`AXES`].
+    #[inline(always)]
+    fn number(&self) -> L::Uint {
+        let pick =
+            |mask: L::Mask, yes: u32| L::select(mask, L::from_bits(L::Uint::splat(yes)), L::splat(0.0)).to_bits();
+        pick(self.z_over, 2).or(pick(self.y_over_x & !self.z_over, 1)).or(pick(!self.up, 4))
+    }
+    /// Axes in the order of [`AXES`].
+    #[inline(always)]
+    fn permute(&self, v: Vec3<L>) -> Vec3<L> {
+        let along_x = select3(self.up, Vec3::new(v.y, v.z, v.x), Vec3::new(v.z, v.y, v.x));
+        let along_y = select3(self.up, Vec3::new(v.z, v.x, v.y), Vec3::new(v.x, v.z, v.y));
+        let along_z = select3(self.up, v, Vec3::new(v.y, v.x, v.z));
+        select3(self.z_over, along_z, select3(self.y_over_x, along_y, along_x))
+    }
 }
 
 /// The sixteen numbers of each ray, its octant and its permutation, in lanes.
@@ -121,17 +152,10 @@ pub(super) fn prepare<L: Lanes>(ray: &RayLanes<L>) -> ([L; 16], L::Uint, L::Uint
     let pad = off.abs() * L::splat(2.0 * f32::EPSILON);
     let (near, far) = (off + pad, off - pad);
 
-    let a = d.abs();
-    let y_over_x = a.x.le(a.y);
-    let z_over = a.x.max(a.y).le(a.z);
-    let main = L::select(z_over, d.z, L::select(y_over_x, d.y, d.x));
-    let up = L::splat(0.0).le(main);
-    let (po, pd) = (permute(o, up, z_over, y_over_x), permute(d, up, z_over, y_over_x));
+    let longest = Longest::of(d);
+    let (po, pd) = (longest.permute(o), longest.permute(d));
     let inv_main = one / pd.z;
-    let sign = |v: L| v.to_bits().shr(31);
-    let octant = sign(inv.x).or(sign(inv.y).shl(1)).or(sign(inv.z).shl(2));
-    let pick = |mask: L::Mask, yes: u32| L::select(mask, L::from_bits(L::Uint::splat(yes)), L::splat(0.0)).to_bits();
-    let permutation = pick(z_over, 2).or(pick(y_over_x & !z_over, 1)).or(pick(!up, 4));
+    let (octant, permutation) = (octant(d), longest.number());
     let numbers = [
         inv.x,
         inv.y,

@@ -48,12 +48,11 @@ impl Scalar {
                 continue;
             }
             meet(tree.leaf(code), &prepared, &mut hit);
-            if ANY && hit.is_some() && hit.t < ray.t_max {
+            if ANY && hit.is_some() {
                 break;
             }
         }
-        // A segment is open at its end.
-        if ANY && hit.t >= ray.t_max { Hit::miss(ray.t_max) } else { hit }
+        hit
     }
 
     /// Pushes the children that the ray meets, the nearest last.

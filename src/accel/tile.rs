@@ -1,7 +1,7 @@
 //! Tiles of neighbouring rays (kernel C): one test of a node serves 64 rays that run the same way, by intervals that
 //! hold all of them; in a leaf, eight rays meet one triangle at a time.
 //!
-//! A tile whose rays run apart, or whose intervals let too much through, is handed to kernel B.
+//! A tile whose rays run apart, or whose intervals let too much through, is handed to kernel D.
 
 use super::batch::BatchTracer;
 use super::boxes::{LEAST, distance, keys as keys_of, order};
@@ -82,7 +82,7 @@ impl BatchTracer for Tiles {
         rays: &(impl RaySource + ?Sized),
         mut found: impl FnMut(usize, Hit),
     ) {
-        // Loose tiles wait for each other, so that kernel B gets long batches.
+        // Loose tiles wait for each other, so that the other kernel gets long batches.
         let mut loose_from = 0;
         for first in (0..=count).step_by(TILE) {
             let n = TILE.min(count - first);
@@ -105,6 +105,11 @@ impl BatchTracer for Tiles {
 }
 
 impl Tiles {
+    /// Forgets what earlier batches showed, so that a job's hits are found the same way on any worker.
+    pub fn restart(&mut self) {
+        self.loose.restart();
+    }
+
     /// The kernel for rays that are no tiles.
     pub fn loose(&mut self) -> &mut Streams {
         &mut self.loose
@@ -177,6 +182,7 @@ impl Tiles {
         let mut least = [W::splat(f32::INFINITY); 6];
         let mut largest = [W::splat(f32::NEG_INFINITY); 6];
         let mut shear = W::splat(0.0);
+        let mut sum = W::splat(0.0);
         for (g, group) in self.groups[..n.div_ceil(MAX_LANES)].iter_mut().enumerate() {
             let at = g * MAX_LANES;
             let batch: RayLanes<W> = rays.rays(&Rows::range(first + at, MAX_LANES.min(n - at)));
@@ -190,11 +196,14 @@ impl Tiles {
             for (k, x) in spread.into_iter().enumerate() {
                 least[k] = least[k].min(x);
                 largest[k] = largest[k].max(x);
+                sum = sum + x;
             }
             shear = shear.max(numbers[11].abs());
+            sum = sum + batch.t_max;
             group.start(numbers, batch.t_max);
         }
-        if differ.array() != [0; 8] {
+        // A minimum forgets what stands before what is not a number.
+        if differ.array() != [0; 8] || sum.eq(sum).bits() != 255 {
             return None;
         }
         let way = ways.array()[0];

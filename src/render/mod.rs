@@ -99,8 +99,10 @@ impl Settings {
     }
 }
 
-/// What another thread sees of a render, and how it stops it.
+/// What another thread sees of a render, and how it stops it. Workers write to it once per job: it has cache lines of its
+/// own.
 #[derive(Debug, Default)]
+#[repr(align(128))]
 pub struct Control {
     stop: AtomicBool,
     samples: AtomicU64,

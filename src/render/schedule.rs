@@ -21,6 +21,14 @@ struct JobSums {
     bad: Vec<BadSample>,
 }
 
+/// What workers write to, once per job, on cache lines apart from all that they read.
+#[repr(align(128))]
+struct Shared {
+    /// Number of the next job.
+    next: AtomicUsize,
+    merge: Mutex<Merge>,
+}
+
 /// The film, and what has come out of order: by tile and pass.
 struct Merge {
     film: Film,
@@ -30,10 +38,11 @@ struct Merge {
 }
 
 impl Merge {
-    fn add(&mut self, job: &Job, sums: &JobSums) {
+    /// Adds a job's sums, or keeps both until it is their turn.
+    fn add(&mut self, job: &mut Job, sums: &mut JobSums) {
         let tile = job.tile;
         if job.pass != self.next_pass[tile] {
-            self.early.insert((tile, job.pass), (job.clone(), sums.clone()));
+            self.early.insert((tile, job.pass), (std::mem::take(job), std::mem::take(sums)));
             return;
         }
         self.merge(job, sums);
@@ -79,13 +88,15 @@ pub(super) fn run<S: Sampler, P: Probe>(cx: &Context<'_>, settings: &Settings, c
     let grid = Grid::new(size, settings.spp);
     let (tiles, passes) = (grid.tiles(), grid.passes());
     let jobs = tiles * passes as usize;
-    let next = AtomicUsize::new(0);
-    let merge = Mutex::new(Merge {
-        film: Film::new(size[0], size[1]),
-        bad: Vec::new(),
-        next_pass: vec![0; tiles],
-        early: BTreeMap::new(),
-    });
+    let shared = Shared {
+        next: AtomicUsize::new(0),
+        merge: Mutex::new(Merge {
+            film: Film::new(size[0], size[1]),
+            bad: Vec::new(),
+            next_pass: vec![0; tiles],
+            early: BTreeMap::new(),
+        }),
+    };
     let work = pool.broadcast(|_| {
         let mut probe = P::default();
         let mut counts = Counts::default();
@@ -93,7 +104,7 @@ pub(super) fn run<S: Sampler, P: Probe>(cx: &Context<'_>, settings: &Settings, c
         let mut reference = reference::Reference::new(cx);
         let (mut job, mut sums) = (Job::default(), JobSums::default());
         while !control.is_stopped() {
-            let number = next.fetch_add(1, Ordering::Relaxed);
+            let number = shared.next.fetch_add(1, Ordering::Relaxed);
             if number >= jobs {
                 break;
             }
@@ -106,12 +117,12 @@ pub(super) fn run<S: Sampler, P: Probe>(cx: &Context<'_>, settings: &Settings, c
             };
             probe.stage(Stage::Accumulate, samples.len(), || accumulate(&job, samples, &mut sums));
             control.advance(job.paths() as u64, counts.rays() - before);
-            merge.lock().unwrap_or_else(|e| e.into_inner()).add(&job, &sums);
+            shared.merge.lock().unwrap_or_else(|e| e.into_inner()).add(&mut job, &mut sums);
         }
         let wave_bytes = wave.as_ref().map_or(0, |w| w.bytes(cx.plan));
         Work { counts, stages: probe.rows(), wave_bytes }
     });
-    let Merge { film, mut bad, next_pass, .. } = merge.into_inner().unwrap_or_else(|e| e.into_inner());
+    let Merge { film, mut bad, next_pass, .. } = shared.merge.into_inner().unwrap_or_else(|e| e.into_inner());
     bad.sort_unstable();
     let partial = next_pass.iter().any(|&p| p < passes);
     let mut rendered = Rendered {

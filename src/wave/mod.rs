@@ -142,6 +142,7 @@ impl<S: Sampler> Wave<S> {
         let Context { world, bvh, plan, seed } = *cx;
         let Self { queues: q, tracer, samples, .. } = self;
         samples.reset(job.paths());
+        tracer.restart();
         let mut next = 0;
         loop {
             let fresh = q.paths.len();

@@ -31,7 +31,7 @@ const SHORT: usize = 12;
 const FEW: usize = 256;
 /// Share of a batch that waits, in per cent, above which the next rays are left to kernel B at once, where nearest hits
 /// and where any are looked for,
-const MOST: [usize; 2] = [70, 50];
+const MOST: [usize; 2] = [60, 50];
 /// and how many.
 const DIRECT: usize = 32 * BATCH;
 
@@ -71,9 +71,14 @@ impl Default for Streams {
 }
 
 impl Streams {
-    /// Room for any batch.
+    /// Room for any batch; lists of a tree's deeper levels are added when a batch first gets there.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// Forgets what earlier batches showed of whether streams pay.
+    pub fn restart(&mut self) {
+        self.direct = [0; 2];
     }
 }
 

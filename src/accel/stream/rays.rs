@@ -92,9 +92,9 @@ impl Rays {
             let o = batch.origin;
             let slabs = W::transpose([ix, iy, iz, o.x, o.y, o.z, zero, zero]);
             let shear = W::transpose([sx, sy, sz, ox, oy, oz, t, none]);
-            for (row, (slabs, shear)) in self.rows[at..].iter_mut().zip(slabs.into_iter().zip(shear)) {
-                slabs.store(&mut row.slabs);
-                shear.store(&mut row.shear);
+            for (i, row) in self.rows[at..at + MAX_LANES].iter_mut().enumerate() {
+                slabs[i].store(&mut row.slabs);
+                shear[i].store(&mut row.shear);
             }
             self.laters[at..at + MAX_LANES].fill(0);
             let slabs = Slabs {
