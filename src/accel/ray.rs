@@ -101,10 +101,27 @@ pub(super) fn way_of<L: Lanes>(ray: &RayLanes<L>) -> L::Uint {
     octant(d).or(Longest::of(d).number().shl(3))
 }
 
+/// 1 over a component of a direction, finite. Functions here are no closures, because a closure need not be inlined.
+#[inline(always)]
+fn reciprocal<L: Lanes>(d: L) -> L {
+    L::splat(1.0) / d.abs().max(L::splat(TINY)).copysign(d)
+}
+
+/// 1 where the sign is set, else 0.
+#[inline(always)]
+fn sign<L: Lanes>(v: L) -> L::Uint {
+    v.to_bits().shr(31)
+}
+
+/// `value` in the lanes of the mask, else 0.
+#[inline(always)]
+fn pick<L: Lanes>(mask: L::Mask, value: u32) -> L::Uint {
+    L::select(mask, L::from_bits(L::Uint::splat(value)), L::splat(0.0)).to_bits()
+}
+
 /// Signs of the direction, a bit per axis.
 #[inline(always)]
 fn octant<L: Lanes>(d: Vec3<L>) -> L::Uint {
-    let sign = |v: L| v.to_bits().shr(31);
     sign(d.x).or(sign(d.y).shl(1)).or(sign(d.z).shl(2))
 }
 
@@ -127,9 +144,7 @@ impl<L: Lanes> Longest<L> {
     /// Number of the permutation in [`AXES`].
     #[inline(always)]
     fn number(&self) -> L::Uint {
-        let pick =
-            |mask: L::Mask, yes: u32| L::select(mask, L::from_bits(L::Uint::splat(yes)), L::splat(0.0)).to_bits();
-        pick(self.z_over, 2).or(pick(self.y_over_x & !self.z_over, 1)).or(pick(!self.up, 4))
+        pick::<L>(self.z_over, 2).or(pick::<L>(self.y_over_x & !self.z_over, 1)).or(pick::<L>(!self.up, 4))
     }
     /// Axes in the order of [`AXES`].
     #[inline(always)]
@@ -146,8 +161,7 @@ impl<L: Lanes> Longest<L> {
 pub(super) fn prepare<L: Lanes>(ray: &RayLanes<L>) -> ([L; 16], L::Uint, L::Uint) {
     let (o, d) = (ray.origin, ray.direction);
     let one = L::splat(1.0);
-    let inv = |d: L| one / d.abs().max(L::splat(TINY)).copysign(d);
-    let inv = Vec3::new(inv(d.x), inv(d.y), inv(d.z));
+    let inv = Vec3::new(reciprocal(d.x), reciprocal(d.y), reciprocal(d.z));
     let off = o.scale(inv);
     let pad = off.abs() * L::splat(2.0 * f32::EPSILON);
     let (near, far) = (off + pad, off - pad);

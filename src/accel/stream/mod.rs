@@ -300,7 +300,7 @@ mod tests {
     #[test]
     fn small_trees_are_for_streams_and_large_ones_for_the_other_kernel() {
         assert_eq!(waited(1), (0, [0, 0]), "a box");
-        let (rays, direct) = waited(200);
+        let (rays, direct) = waited(80);
         assert!(rays > BATCH * 9 / 10, "{rays} of {BATCH} waited");
         assert_eq!(direct, [DIRECT, 0], "nearest hits, of which alone there were");
     }
