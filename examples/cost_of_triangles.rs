@@ -7,6 +7,8 @@
 use clap::Parser;
 use plotters::prelude::*;
 use std::error::Error;
+use std::fs::File;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use wavetrace::accel::Bvh;
@@ -20,7 +22,8 @@ struct Args {
     /// The chart goes here
     svg: PathBuf,
     /// Sizes of the rooms
-    #[arg(long, value_delimiter = ',', default_value = "1000,3000,10000,30000,100000,300000,1000000,3000000,10000000")]
+    #[arg(long, value_delimiter = ',', default_value = "1000,3000,10000,30000,100000,300000,1000000,3000000,10000000",
+        value_parser = clap::value_parser!(u32).range(room::MIN_TRIANGLES as i64..=10_000_000))]
     triangles: Vec<u32>,
     /// Measurements of another tracer
     #[arg(long)]
@@ -49,13 +52,15 @@ fn measured(triangles: u32) -> Result<Vec<Row>, Box<dyn Error>> {
 }
 
 fn read(csv: &Path) -> Result<Vec<Row>, Box<dyn Error>> {
-    let text = std::fs::read_to_string(csv)?;
+    let text = std::fs::read_to_string(csv).map_err(|e| format!("{}: {e}", csv.display()))?;
     let row = |line: &str| -> Result<Row, Box<dyn Error>> {
         let fields: Vec<&str> = line.split(',').collect();
         let [n, set, rate] = fields[..] else {
             return Err(format!("{}: {line:?}: 3 fields expected", csv.display()).into());
         };
-        Ok((n.parse()?, set.to_owned(), rate.parse()?))
+        let number =
+            |text: &str| text.parse().map_err(|_| format!("{}: {line:?}: {text:?} is no number", csv.display()));
+        Ok((number(n)?, set.to_owned(), number(rate)?))
     };
     text.lines().skip(1).map(row).collect()
 }
@@ -99,14 +104,17 @@ fn draw(svg: &Path, own: &[Row], other: &[Row]) -> Result<(), Box<dyn Error>> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let args = Args::parse();
+    let other = args.import.as_deref().map(read).transpose()?.unwrap_or_default();
+    let mut csv = File::create(&args.csv).map_err(|e| format!("{}: {e}", args.csv.display()))?;
+    writeln!(csv, "triangles,set,mrays_per_s")?;
     let mut own = Vec::new();
     for &n in &args.triangles {
         let rows = measured(n)?;
+        for (n, set, rate) in &rows {
+            writeln!(csv, "{n},{set},{rate:.3}")?;
+        }
         println!("{n}: {}", rows.iter().map(|(_, set, rate)| format!("{set} {rate:.2}  ")).collect::<String>());
         own.extend(rows);
     }
-    let lines: String = own.iter().map(|(n, set, rate)| format!("{n},{set},{rate:.3}\n")).collect();
-    std::fs::write(&args.csv, format!("triangles,set,mrays_per_s\n{lines}"))?;
-    let other = args.import.as_deref().map(read).transpose()?.unwrap_or_default();
     draw(&args.svg, &own, &other)
 }

@@ -2,10 +2,11 @@
 //! with one to eight roots (in the manner of Ylitie, Karras and Laine 2017, section 3).
 
 use super::arena::{Arena, Block};
+use super::bounds::largest_extent;
 use super::build::BinaryNode;
 use super::layout::{Leaf, Node};
 use super::parallel::*;
-use super::{Bvh, LEAF};
+use super::{Bvh, DISTANCE_ERROR, LEAF};
 use std::sync::atomic::{AtomicU8, AtomicU32, Ordering::Relaxed};
 
 const WIDTH: usize = 8;
@@ -224,7 +225,8 @@ pub(super) fn collapse(tree: &[BinaryNode], corners: &[[[f32; 3]; 3]]) -> Bvh {
     }
     tasks.into_par_iter().for_each(|(wide, own)| fill(&plan, wide, own, corners));
     let leaves = (blocks - wides.len() * Node::BLOCKS) / Leaf::BLOCKS;
-    Bvh { arena, nodes: wides.len(), leaves, slack: 0.0, stack_bound: stack_bound(deepest) }
+    let slack = DISTANCE_ERROR * largest_extent(corners);
+    Bvh { arena, nodes: wides.len(), leaves, slack, stack_bound: stack_bound(deepest) }
 }
 
 #[cfg(test)]

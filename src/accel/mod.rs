@@ -163,8 +163,7 @@ impl Bvh {
         let collapsed = |reinserted| collapse::collapse(&build::binary_tree(corners, quality, reinserted), corners);
         let bvh = collapsed(quality == Quality::Best);
         // Reinsertion may leave a way that is too long; the tree before it has none.
-        let bvh = if bvh.stack_bound <= STACK { bvh } else { collapsed(false) };
-        Self { slack: DISTANCE_ERROR * bounds::largest_extent(corners), ..bvh }
+        if bvh.stack_bound <= STACK { bvh } else { collapsed(false) }
     }
     /// Whether there is no triangle, and so no node.
     fn is_empty(&self) -> bool {
