@@ -59,9 +59,14 @@ fn hash<U: LanesU32>(x: U) -> U {
     x.xor(x.shr(16))
 }
 
+/// Exchanges the bits under `mask` with those `by` above them. No closure, because a closure need not be inlined.
+#[inline(always)]
+fn swap<U: LanesU32>(x: U, by: u32, mask: u32) -> U {
+    x.shr(by).and(constant(mask)).or(x.and(constant(mask)).shl(by))
+}
+
 #[inline(always)]
 fn reverse_bits<U: LanesU32>(x: U) -> U {
-    let swap = |x: U, by: u32, mask: u32| x.shr(by).and(constant(mask)).or(x.and(constant(mask)).shl(by));
     let x = swap(x, 1, 0x5555_5555);
     let x = swap(x, 2, 0x3333_3333);
     let x = swap(x, 4, 0x0f0f_0f0f);
