@@ -1,120 +1,157 @@
 //! A node's eight boxes against one ray, and the order in which their children are visited.
+//!
+//! The order is the node's own, one for each octant of directions (Ylitie, Karras and Laine 2017, section 3.2, in tables
+//! instead of by the places of children): rays meet as many boxes as with children sorted by their distances, without the
+//! sort.
 
 use super::layout::Node;
-use super::ray::{Prepared, SLAB_SLACK};
-use crate::lanes::{LanesU32, Wide, WideU32};
+use super::ray::Prepared;
+use crate::lanes::{LanesU32, MAX_LANES, Mask, Wide, WideU32};
 
-/// Where a ray enters the boxes of a node: bits of the lanes that it meets, and the least distances, which are above 0.
+/// Where a ray enters the boxes of a node and where it leaves them, each as far as rounding may have moved it: it meets
+/// those where the first is not above the second.
 #[inline(always)]
-pub(super) fn enter<W: Wide>(node: &Node, ray: &Prepared, t_max: f32) -> (W::Mask, W) {
-    let mut near = W::splat(LEAST);
-    let mut far = W::splat(t_max);
+pub(super) fn enter<W: Wide>(node: &Node, ray: &Prepared, end: f32) -> (W, W) {
+    let mut near = W::splat(0.0);
+    let mut far = W::splat(end);
     for axis in 0..3 {
         let inv = W::splat(ray.inv(axis));
-        let n = node.row::<W>(ray.near_row(axis)).mul_add(inv, W::splat(-ray.near_off(axis)));
-        let f = node.row::<W>(ray.far_row(axis)).mul_add(inv, W::splat(-ray.far_off(axis)));
-        near = near.max(n);
-        far = far.min(f);
+        let lower = node.row::<W>(axis as u32).mul_add(inv, W::splat(-ray.off(axis)));
+        let upper = node.row::<W>(axis as u32 + 3).mul_add(inv, W::splat(-ray.off(axis + 3)));
+        near = near.max(lower.min(upper));
+        far = far.min(lower.max(upper));
     }
-    (near.le(far * W::splat(SLAB_SLACK)), near)
+    (near, far)
 }
 
-/// Bits of a key that hold its lane.
-const LANE_BITS: u32 = 7;
-/// Where a ray enters the box that it starts in: above 0, so that the key of a hit is above that of any miss.
-pub(super) const LEAST: f32 = f32::from_bits(LANE_BITS + 1);
-const LANE: [u32; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
+/// An order of lanes: four bits each, those of the lane visited last in the lowest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Order(pub u32);
 
-/// Keys of boxes: of those that are met, the distance with its lowest bits replaced by the lane; of others the lane
-/// alone. The order of floats above 0 is that of their bits.
-#[inline(always)]
-pub(super) fn keys<W: Wide>(hit: W::Mask, near: W) -> W::Uint {
-    let met = W::select_u32(hit, near.to_bits().and(W::Uint::splat(!LANE_BITS)), W::Uint::splat(0));
-    met.or(W::Uint::load(&LANE))
+impl Order {
+    /// By number.
+    pub const ASCENDING: Self = Self(0x0123_4567);
+
+    /// Nearer ones before farther ones.
+    pub fn by_distance(distances: [f32; MAX_LANES]) -> Self {
+        let mut lanes: [u32; MAX_LANES] = std::array::from_fn(|lane| lane as u32);
+        lanes.sort_by(|&a, &b| distances[a as usize].total_cmp(&distances[b as usize]));
+        Self(lanes.iter().fold(0, |order, lane| order << 4 | lane))
+    }
+    /// The lanes, the one visited last first; above their three bits there may be others.
+    #[inline(always)]
+    pub fn lanes<U: WideU32>(self) -> U {
+        U::splat(self.0).shr_each([0, 4, 8, 12, 16, 20, 24, 28])
+    }
+    /// The lane at place `at` of [`Self::lanes`].
+    #[inline(always)]
+    pub fn lane(self, at: u32) -> usize {
+        (self.0 >> ((4 * at) & 31) & 7) as usize
+    }
 }
 
-/// Sorts keys by distance, farthest first; those not met, of which `bits` is free, come last in any order.
-#[inline(always)]
-pub(super) fn order<U: WideU32>(keys: U, bits: u32) -> U {
-    // Few are met, mostly: a short network in half of a register, where exchanges are cheap.
-    if bits.count_ones() <= 4 { sort4(keys.pack(bits)) } else { sort8(keys) }
+/// The boxes of a node that a ray meets, packed to the front in the order of visits, the last one first.
+pub(super) struct Met<W: Wide> {
+    /// Places of the order that are met.
+    bits: u32,
+    /// The order, and where the ray enters the boxes in this order.
+    lanes: W::Uint,
+    near: W,
 }
 
-/// The lane of the nearest box that is met; of some box, if none is.
-#[inline(always)]
-pub(super) fn nearest<W: Wide>(hit: W::Mask, keys: W::Uint) -> u32 {
-    W::select_u32(hit, keys, W::Uint::splat(u32::MAX)).min_lane() & LANE_BITS
-}
-
-/// The distance in a key, rounded down.
-#[inline(always)]
-pub(super) fn distance(key: u32) -> f32 {
-    f32::from_bits(key & !LANE_BITS)
-}
-
-/// The distances in keys, rounded down.
-#[inline(always)]
-pub(super) fn distances<W: Wide>(keys: W::Uint) -> W {
-    W::from_bits(keys.and(W::Uint::splat(!LANE_BITS)))
-}
-
-/// Exchanges partners so that the lanes of `keep_large` hold the larger.
-#[inline(always)]
-fn layer<U: WideU32>(k: U, partner: [u32; 8], keep_large: u32) -> U {
-    let other = k.permute_const(partner);
-    let large = std::array::from_fn::<u32, 8, _>(|i| if keep_large >> i & 1 == 1 { u32::MAX } else { 0 });
-    let large = U::load(&large);
-    let (lo, hi) = (k.min(other), k.max(other));
-    hi.and(large).or(lo.and(large.complement()))
-}
-
-/// Sorts the first four lanes and the last four, the largest first: 5 comparators in three layers.
-#[inline(always)]
-fn sort4<U: WideU32>(k: U) -> U {
-    let k = layer(k, [1, 0, 3, 2, 5, 4, 7, 6], 0b0101_0101);
-    let k = layer(k, [2, 3, 0, 1, 6, 7, 4, 5], 0b0011_0011);
-    layer(k, [0, 2, 1, 3, 4, 6, 5, 7], 0b1011_1011)
-}
-
-/// Sorts eight lanes, the largest first: Batcher's odd-even merge network, 19 comparators in six layers.
-#[inline(always)]
-fn sort8<U: WideU32>(k: U) -> U {
-    let k = sort4(k);
-    let k = layer(k, [4, 5, 6, 7, 0, 1, 2, 3], 0b0000_1111);
-    let k = layer(k, [0, 1, 4, 5, 2, 3, 6, 7], 0b1100_1111);
-    layer(k, [0, 2, 1, 4, 3, 6, 5, 7], 0b1010_1011)
+impl<W: Wide> Met<W> {
+    /// From what [`enter`] returns.
+    #[inline(always)]
+    pub fn new((near, far): (W, W), order: Order) -> Self {
+        let lanes = order.lanes::<W::Uint>();
+        let (near, far) = (near.permute(lanes), far.permute(lanes));
+        Self { bits: near.le(far).bits(), lanes, near }
+    }
+    /// Number of boxes.
+    #[inline(always)]
+    pub fn count(&self) -> usize {
+        self.bits.count_ones() as usize
+    }
+    /// Their lanes; above three bits there may be others.
+    #[inline(always)]
+    pub fn lanes(&self) -> W::Uint {
+        self.lanes.pack(self.bits)
+    }
+    /// Where the ray enters them.
+    #[inline(always)]
+    pub fn near(&self) -> W {
+        self.near.pack(self.bits)
+    }
+    /// Where they lead, if all lead to `children`.
+    #[inline(always)]
+    pub fn codes(&self, children: W::Uint) -> W::Uint {
+        children.permute(self.lanes).pack(self.bits)
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::Ray;
     use super::*;
     use crate::lanes::{F32x8, Lanes, U32x8};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+    use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
-    /// A comparator network sorts everything if it sorts all sequences of zeros and ones (Knuth's 0-1 principle).
     #[test]
-    fn networks_sort_all_zero_one_sequences() {
+    fn boxes_are_met_in_their_order() {
+        let near = [3.0, 0.0, 2.0, 7.0, 0.5, 9.0, 2.5, 8.0f32];
+        let codes: [u32; 8] = std::array::from_fn(|lane| 100 + lane as u32);
+        let order = Order::by_distance(near);
+        assert_eq!(Order::by_distance(std::array::from_fn(|lane| lane as f32)), Order::ASCENDING);
         for bits in 0..256u32 {
-            let k = U32x8::from_fn(|i| bits >> i & 1);
-            let (four, eight) = (sort4(k).array(), sort8(k).array());
-            assert!(eight.is_sorted_by(|a, b| a >= b), "{bits:08b}: {eight:?}");
-            assert!(four[..4].is_sorted_by(|a, b| a >= b) && four[4..].is_sorted_by(|a, b| a >= b));
+            let far = F32x8::from_fn(|i| if bits >> i & 1 == 1 { 10.0 } else { f32::NAN });
+            let met = Met::new((F32x8::load(&near), far), order);
+            let mut expected: Vec<usize> = (0..8).filter(|i| bits >> i & 1 == 1).collect();
+            expected.sort_by(|&a, &b| near[b].total_cmp(&near[a]));
+            let n = met.count();
+            assert_eq!(met.lanes().array()[..n].iter().map(|l| (l & 7) as usize).collect::<Vec<_>>(), expected);
+            assert_eq!(met.near().array()[..n].to_vec(), expected.iter().map(|&l| near[l]).collect::<Vec<_>>());
+            let expected: Vec<u32> = expected.iter().map(|&l| codes[l]).collect();
+            assert_eq!(met.codes(U32x8::load(&codes)).array()[..n].to_vec(), expected);
         }
     }
 
+    /// Planes are never entered too late or left too early: against the same in f64, which is exact for the purpose.
     #[test]
-    fn boxes_are_ordered_from_far_to_near() {
-        let near = [3.0, LEAST, 2.0, 7.0, 0.5, 9.0, 2.5, 8.0f32];
-        for bits in 0..256u32 {
-            let hit = F32x8::from_fn(|i| (bits >> i & 1) as f32).gt(F32x8::splat(0.5));
-            let (keys, count) = (keys(hit, F32x8::load(&near)), bits.count_ones() as usize);
-            let first = nearest::<F32x8>(hit, keys);
-            let keys = order(keys, bits);
-            let lanes: Vec<usize> = keys.array()[..count].iter().map(|k| (k & 7) as usize).collect();
-            let mut expected: Vec<usize> = (0..8).filter(|i| bits >> i & 1 == 1).collect();
-            expected.sort_by(|&a, &b| near[b].total_cmp(&near[a]));
-            assert_eq!(lanes, expected, "{bits:08b}");
-            assert!(expected.last().is_none_or(|&nearest| nearest == first as usize));
-            assert!(keys.array()[..count].iter().zip(lanes).all(|(&k, i)| distance(k) <= near[i]));
+    fn slabs_are_padded_for_what_rounding_does() {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
+        let mut unit = || (rng.next_u32() >> 8) as f32 / 16_777_216.0;
+        let (mut slabs, mut tight) = (0, 0);
+        for _ in 0..100_000 {
+            // Places and sizes of all magnitudes; origins beside a plane, where most is cancelled.
+            let mut signed = |powers: f32| (unit() - 0.5) * 2f32.powf((unit() - 0.5) * powers);
+            let lo: [f32; 3] = std::array::from_fn(|_| signed(40.0));
+            let hi = lo.map(|lo| lo + signed(40.0).abs());
+            let direction = [signed(20.0), signed(20.0), signed(20.0)];
+            let near_plane = signed(1.0) > 0.0;
+            let origin = lo.map(|lo| if near_plane { lo + lo.abs() * signed(1.0) * 1e-6 } else { signed(40.0) });
+            if direction.contains(&0.0) {
+                continue;
+            }
+            let mut node = Node::empty();
+            (0..8).for_each(|lane| node.set(lane, lo, hi, 0));
+            let ray = Prepared::new(&Ray { origin, direction, t_max: f32::INFINITY });
+            let (near, far) = enter::<F32x8>(&node, &ray, f32::INFINITY);
+            let (near, far) = (f64::from(near.array()[0]), f64::from(far.array()[0]));
+            let exact =
+                |plane: f32, axis: usize| (f64::from(plane) - f64::from(origin[axis])) / f64::from(direction[axis]);
+            let (mut enters, mut leaves) = (0.0f64, f64::INFINITY);
+            for axis in 0..3 {
+                let (a, b) = (exact(lo[axis], axis), exact(hi[axis], axis));
+                (enters, leaves) = (enters.max(a.min(b)), leaves.min(a.max(b)));
+            }
+            assert!(
+                near <= enters && far >= leaves,
+                "{lo:?} {hi:?} {origin:?} {direction:?}: {near} {enters} {leaves} {far}"
+            );
+            slabs += 1;
+            tight += u32::from(near > enters * 0.999 && enters > 0.0);
         }
+        assert!(tight > slabs / 4, "only {tight} of {slabs} are within a thousandth");
     }
 }

@@ -194,6 +194,7 @@ fn fill(plan: &Plan<'_>, wide: &Wide, mut out: &mut [Block], corners: &[[[f32; 3
         let bounds = plan.tree[root as usize].aabb();
         node.set(lane, bounds.min.to_array(), bounds.max.to_array(), wide.codes[lane]);
     }
+    node.set_orders();
     out = node.write(out);
     for (&root, &code) in wide.roots.iter().zip(&wide.codes[..wide.len]) {
         if code & LEAF != 0 {

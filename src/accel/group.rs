@@ -2,15 +2,15 @@
 
 use super::Hit;
 use super::layout::{Leaf, Node};
-use super::ray::{Prepared, SLAB_SLACK};
 use super::triangle::Sheared;
+use super::way::Way;
 use crate::lanes::{LanesU32, Mask, Wide};
 
 /// Eight rays and what they have hit.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(super) struct Group {
-    /// As in [`Prepared`].
+    /// As in [`super::ray::Prepared`].
     pub numbers: [[f32; 8]; 16],
     /// Distances of the hits; before all where any hit was looked for and found.
     pub t: [f32; 8],
@@ -51,30 +51,30 @@ impl Group {
 
     /// Whether any ray meets a box of a node before what it has hit.
     #[inline(always)]
-    pub fn meets<W: Wide>(&self, node: &Node, lane: usize, like: &Prepared, slack: f32) -> bool {
+    pub fn meets<W: Wide>(&self, node: &Node, lane: usize, way: &Way, slack: f32) -> bool {
         let pad = self.number::<W>(11).abs() * W::splat(slack);
         let (mut near, mut far) = (W::splat(0.0), W::load(&self.t) + pad);
-        let (inv, near_off, far_off) = (self.three::<W>(0), self.three::<W>(3), self.three::<W>(6));
         for axis in 0..3 {
-            let plane = |row: u32| W::splat(node.plane(row, lane));
-            near = near.max(plane(like.near_row(axis)).mul_add(inv[axis], -near_off[axis]));
-            far = far.min(plane(like.far_row(axis)).mul_add(inv[axis], -far_off[axis]));
+            let inv = self.number::<W>(axis);
+            let to = |row: u32| W::splat(node.plane(row, lane)).mul_add(inv, -self.number::<W>(3 + row as usize));
+            near = near.max(to(way.near_row(axis)));
+            far = far.min(to(way.far_row(axis)));
         }
-        near.le(far * W::splat(SLAB_SLACK)).any()
+        near.le(far).any()
     }
 
     /// Takes what is nearer in a leaf, as single rays do; tells whether anything was.
     #[inline(always)]
-    pub fn closest<W: Wide>(&mut self, leaf: &Leaf, like: &Prepared) -> bool {
+    pub fn closest<W: Wide>(&mut self, leaf: &Leaf, way: &Way) -> bool {
         let mut hits = self.hits::<W>();
-        self.keep(hits.closest::<true>(leaf, like, self.three(12), self.three(9)), hits)
+        self.keep(hits.closest::<true>(leaf, way, self.three(12), self.three(9)), hits)
     }
 
     /// Ends the rays that hit anything in a leaf; tells whether any did.
     #[inline(always)]
-    pub fn any<W: Wide>(&mut self, leaf: &Leaf, like: &Prepared) -> bool {
+    pub fn any<W: Wide>(&mut self, leaf: &Leaf, way: &Way) -> bool {
         let mut hits = self.hits::<W>();
-        self.keep(hits.any::<true>(leaf, like, self.three(12), self.three(9)), hits)
+        self.keep(hits.any::<true>(leaf, way, self.three(12), self.three(9)), hits)
     }
 
     #[inline(always)]
@@ -110,17 +110,11 @@ impl<W: Wide> RayHits<W> {
     /// Takes what is nearer in a leaf, as single rays do; tells of which rays. `origin` and `shear` are as in
     /// [`Sheared`].
     #[inline(always)]
-    pub fn closest<const TIGHT: bool>(
-        &mut self,
-        leaf: &Leaf,
-        like: &Prepared,
-        origin: [W; 3],
-        shear: [W; 3],
-    ) -> W::Mask {
+    pub fn closest<const TIGHT: bool>(&mut self, leaf: &Leaf, way: &Way, origin: [W; 3], shear: [W; 3]) -> W::Mask {
         let mut changed = W::Mask::splat(false);
         for (lane, id) in leaf.distinct() {
             let rays = Sheared { origin, shear, t_max: self.t };
-            let corner = |k, axis| W::splat(leaf.coordinate(k, like.axis(axis), lane));
+            let corner = |k, axis| W::splat(leaf.coordinate(k, way.axis(axis), lane));
             let (e, inside) = rays.lines(corner);
             if TIGHT && !inside.any() {
                 continue;
@@ -149,11 +143,11 @@ impl<W: Wide> RayHits<W> {
 
     /// Ends the rays that hit anything in a leaf; tells which.
     #[inline(always)]
-    pub fn any<const TIGHT: bool>(&mut self, leaf: &Leaf, like: &Prepared, origin: [W; 3], shear: [W; 3]) -> W::Mask {
+    pub fn any<const TIGHT: bool>(&mut self, leaf: &Leaf, way: &Way, origin: [W; 3], shear: [W; 3]) -> W::Mask {
         let mut changed = W::Mask::splat(false);
         for (lane, _) in leaf.distinct() {
             let rays = Sheared { origin, shear, t_max: self.t };
-            let corner = |k, axis| W::splat(leaf.coordinate(k, like.axis(axis), lane));
+            let corner = |k, axis| W::splat(leaf.coordinate(k, way.axis(axis), lane));
             let (e, inside) = rays.lines(corner);
             if TIGHT && !inside.any() {
                 continue;

@@ -1,19 +1,22 @@
 //! How the tree lies in memory: nodes and leaves of eight, each column a SIMD register.
 
 use super::arena::Block;
-use crate::lanes::Wide;
+use super::boxes::Order;
+use super::ray::OFF_ERROR;
+use crate::lanes::{MAX_LANES, Wide};
 use bytemuck::{Pod, Zeroable};
 
 /// An inner node: eight boxes and where they lead, a register per row.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct Node {
-    /// Rows min x, min y, min z, max x, max y, max z, then the child codes as bits, and a spare. Eight rows, so that a
-    /// masked index needs no check.
+    /// Rows min x, min y, min z, max x, max y, max z, then as bits the child codes, and for each octant of directions the
+    /// order in which children are visited.
     rows: [[f32; 8]; 8],
 }
 
 const CHILD: usize = 6;
+const ORDER: usize = 7;
 
 /// What a child code leads to: a run of blocks.
 macro_rules! in_blocks {
@@ -39,10 +42,10 @@ in_blocks!(Node);
 in_blocks!(Leaf);
 
 impl Node {
-    /// A node without children: unused lanes hold inverted boxes, which nothing hits.
+    /// A node without children: unused lanes hold planes that are no numbers, which nothing hits.
     pub fn empty() -> Self {
-        let (lo, hi) = ([f32::INFINITY; 8], [f32::NEG_INFINITY; 8]);
-        Self { rows: [lo, lo, lo, hi, hi, hi, [0.0; 8], [0.0; 8]] }
+        let none = [f32::NAN; 8];
+        Self { rows: [none, none, none, none, none, none, [0.0; 8], [0.0; 8]] }
     }
     /// Planes of eight boxes: rows 0 to 2 are the lower ones, 3 to 5 the upper ones.
     #[inline(always)]
@@ -64,14 +67,35 @@ impl Node {
     pub fn child(&self, lane: usize) -> u32 {
         self.rows[CHILD][lane & 7].to_bits()
     }
+    /// The order in which rays of an octant visit the children.
+    #[inline(always)]
+    pub fn order(&self, octant: u32) -> Order {
+        Order(self.rows[ORDER][(octant & 7) as usize].to_bits())
+    }
+    /// Sets the orders once all lanes are set: by how far the middles of boxes lie along the middle of the octant.
+    pub fn set_orders(&mut self) {
+        let middles = [0, 1, 2].map(|axis: usize| {
+            let [lo, hi] = [self.rows[axis], self.rows[axis + 3]];
+            // Unused lanes are never met, wherever they stand.
+            std::array::from_fn::<f32, MAX_LANES, _>(|l| if lo[l] <= hi[l] { 0.5 * lo[l] + 0.5 * hi[l] } else { 0.0 })
+        });
+        for octant in 0..MAX_LANES {
+            let along = |lane: usize, axis: usize| {
+                if octant >> axis & 1 == 1 { -middles[axis][lane] } else { middles[axis][lane] }
+            };
+            let order = Order::by_distance(std::array::from_fn(|l| along(l, 0) + along(l, 1) + along(l, 2)));
+            self.rows[ORDER][octant] = f32::from_bits(order.0);
+        }
+    }
     /// Sets where a lane leads.
     pub fn set_child(&mut self, lane: usize, code: u32) {
         self.rows[CHILD][lane] = f32::from_bits(code);
     }
-    /// Sets a lane to a box, padded: the planes of pre-split boxes and of later arithmetic are rounded.
+    /// Sets a lane to a box, padded: the planes of pre-split boxes and of later arithmetic are rounded, as much as
+    /// [`OFF_ERROR`] says each.
     pub fn set(&mut self, lane: usize, lo: [f32; 3], hi: [f32; 3], code: u32) {
         for axis in 0..3 {
-            let pad = lo[axis].abs().max(hi[axis].abs()) * (4.0 * f32::EPSILON) + f32::MIN_POSITIVE;
+            let pad = lo[axis].abs().max(hi[axis].abs()) * (2.0 * OFF_ERROR) + f32::MIN_POSITIVE;
             self.rows[axis][lane] = lo[axis] - pad;
             self.rows[axis + 3][lane] = hi[axis] + pad;
         }

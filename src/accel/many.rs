@@ -1,15 +1,15 @@
 //! Many rays in flight (kernel B): what a batch knows and a single ray does not. Each of a few rays has a small stack;
 //! all that stand at an inner node take one step, then all that stand at a leaf. Steps of different rays do not wait for
-//! each other, so that the latency of memory and of the sorting network is hidden behind the others.
+//! each other, so that the latency of memory and of arithmetic is hidden behind the others.
 
 use super::batch::BatchTracer;
-use super::boxes::{distances, enter, keys, nearest, order};
+use super::boxes::{Met, Order, enter};
 use super::feed::{Feed, FromRoot};
-use super::ray::{Prepared, Prepared8, RaySource, SLAB_SLACK};
+use super::ray::{Prepared, Prepared8, RaySource};
 use super::triangle::{any_in_leaf, closest_in_leaf};
 use super::{Bvh, Hit, Ray, STACK, Tree};
 use crate::columns::Rows;
-use crate::lanes::{LanesU32, MAX_LANES, Mask, Wide, WideU32};
+use crate::lanes::{LanesU32, MAX_LANES, Mask, Wide};
 use std::hint::select_unpredictable;
 
 /// Rays in flight; a power of two.
@@ -29,13 +29,15 @@ pub(super) struct Slot {
     hit: Hit,
     /// As in [`Prepared::pad`].
     pad: f32,
+    /// Behind this distance no box is entered.
+    end: f32,
     /// Where the ray stands: a child code.
     pub at: u32,
     /// Number of the ray in the batch.
     ray: u32,
     /// First free entry of the stack.
     top: usize,
-    keys: [u32; STACK],
+    near: [f32; STACK],
     codes: [u32; STACK],
 }
 
@@ -65,10 +67,11 @@ impl Default for Many {
             prepared: Prepared::new(&ray),
             hit: Hit::miss(0.0),
             pad: 0.0,
+            end: 0.0,
             at: DONE,
             ray: 0,
             top: BOTTOM,
-            keys: [0; STACK],
+            near: [0.0; STACK],
             codes: [DONE; STACK],
         };
         Self { slots: Box::new(std::array::from_fn(|_| slot.clone())), ready: Prepared8::empty() }
@@ -185,50 +188,33 @@ impl Slot {
         ready.copy_to(number % MAX_LANES, &mut self.prepared);
         self.hit = Hit::miss(self.prepared.t_max());
         self.pad = self.prepared.pad(tree.slack);
+        self.end = self.hit.t + self.pad;
         self.at = 0;
         self.top = BOTTOM;
         self.ray = number as u32;
     }
 
-    /// Enters a node: pushes the children that the ray meets, nearest on top, and goes to what is on top then.
+    /// Enters a node: pushes the children that the ray meets, the first to visit on top, and goes to what is on top then.
     #[inline(always)]
     fn step_inner<W: Wide, const ANY: bool, const LARGE: bool>(&mut self, tree: Tree) -> u32 {
         let node = tree.node(self.at);
-        let (met, near) = enter::<W>(node, &self.prepared, self.hit.t + self.pad);
-        self.descend::<W, ANY>(met, near, node.children::<W>(), |lane| node.child(lane));
+        let met = Met::new(enter::<W>(node, &self.prepared, self.end), node.order(self.prepared.octant()));
+        self.descend::<W, ANY>(&met, node.children::<W>());
         if LARGE {
             tree.prefetch(self.at);
         }
         self.at
     }
 
-    /// Pushes the children that the ray meets, nearest on top, and goes to what is on top then. `children` in a
-    /// register are `child` one by one.
+    /// Pushes those of `children` that the ray meets, and goes to what is on top then.
     #[inline(always)]
-    fn descend<W: Wide, const ANY: bool>(
-        &mut self,
-        met: W::Mask,
-        near: W,
-        children: W::Uint,
-        child: impl Fn(usize) -> u32,
-    ) {
-        let (bits, top) = (met.bits(), self.top);
-        // What will be on top is found beside the sort, not read back from the stack, which would wait for it.
-        let below = self.codes[top - 1];
-        let first = if ANY {
-            children.pack(bits).store(&mut self.codes[top..]);
-            bits.checked_ilog2().unwrap_or(0)
-        } else {
-            let keys = keys::<W>(met, near);
-            let first = nearest::<W>(met, keys);
-            let sorted = order(keys, bits);
-            sorted.store(&mut self.keys[top..]);
-            children.permute(sorted).store(&mut self.codes[top..]);
-            first
-        };
-        let first = child(first as usize);
-        self.top = top + bits.count_ones() as usize - 1;
-        self.at = select_unpredictable(bits == 0, below, first);
+    fn descend<W: Wide, const ANY: bool>(&mut self, met: &Met<W>, children: W::Uint) {
+        if !ANY {
+            met.near().store(&mut self.near[self.top..]);
+        }
+        met.codes(children).store(&mut self.codes[self.top..]);
+        self.top = self.top + met.count() - 1;
+        self.at = self.codes[self.top];
     }
 
     /// Goes on with a ray that has hit `hit`, and has yet to visit those of `codes` that it enters, at `near`, before the
@@ -236,9 +222,9 @@ impl Slot {
     #[inline(always)]
     pub(super) fn resume<W: Wide, const ANY: bool>(&mut self, hit: Hit, near: &[f32; 8], codes: &[u32; 8]) -> u32 {
         self.hit = hit;
-        let near = W::load(near);
-        let met = near.le(W::splat((hit.t + self.pad) * SLAB_SLACK));
-        self.descend::<W, ANY>(met, near, W::Uint::load(codes), |lane| codes[lane & 7]);
+        self.end = hit.t + self.pad;
+        let met = Met::new((W::load(near), W::splat(self.end)), Order::ASCENDING);
+        self.descend::<W, ANY>(&met, W::Uint::load(codes));
         self.at
     }
 
@@ -253,11 +239,12 @@ impl Slot {
         } else {
             self.hit = closest_in_leaf::<W>(leaf, &self.prepared, &self.hit);
             // What lies behind the hit is dropped from the top, up to eight entries at a time.
-            let t = W::splat(self.hit.t + self.pad);
+            self.end = self.hit.t + self.pad;
+            let t = W::splat(self.end);
             loop {
                 let from = self.top - MAX_LANES;
                 // Not behind, rather than before: an end that is not a number leaves the bottom of the stack where it is.
-                let live = !t.lt(distances::<W>(W::Uint::load(&self.keys[from..]))).bits() & 255;
+                let live = !t.lt(W::load(&self.near[from..])).bits() & 255;
                 self.top = from;
                 if live != 0 {
                     self.top += live.ilog2() as usize;

@@ -22,6 +22,7 @@ mod single;
 mod stream;
 mod tile;
 mod triangle;
+mod way;
 
 pub use batch::BatchTracer;
 pub use brute::brute_force;

@@ -1,8 +1,9 @@
 //! What a ray carries through the tree: reciprocals for boxes, a shear for triangles. Computed in lanes, kept ray by ray.
 
 use super::Ray;
+use super::way::{AXES, Longest, octant};
 use crate::columns::Rows;
-use crate::lanes::{Lanes, LanesU32, Vec3, Wide, select3};
+use crate::lanes::{Lanes, LanesU32, Vec3, Wide};
 
 /// Rays in lanes, as a batch hands them over.
 #[derive(Clone, Copy, Debug)]
@@ -58,48 +59,19 @@ impl From<RayLanes<f32>> for Ray {
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(super) struct Prepared {
-    /// Reciprocals of the direction, offsets of near and of far planes, the shear, the origin with its axes permuted,
+    /// Reciprocals of the direction, offsets of lower and of upper planes, the shear, the origin with its axes permuted,
     /// the end of the ray.
     numbers: [f32; 16],
-    rows: [u32; 8],
     axes: [u32; 4],
+    octant: u32,
 }
 
-/// Relative error of a slab distance, with room: the reciprocal, its product, the fused sum (Ize 2013).
-pub(super) const SLAB_SLACK: f32 = 1.0 + 4.0 * f32::EPSILON;
+/// Error of a slab distance `(plane - origin) / direction` for what `origin / direction` is, over that, with room: the
+/// reciprocal, the product, both sums, each half an epsilon (after Ize 2013). As much for `plane / direction` is added to
+/// the planes themselves.
+pub(super) const OFF_ERROR: f32 = 4.0 * f32::EPSILON;
 /// Direction components below this are taken as this in box tests, so that no 0 x infinity arises.
 const TINY: f32 = 1e-20;
-
-/// Rows of near planes for each octant, then those of far ones.
-const ROWS: [[u32; 8]; 8] = {
-    let mut table = [[0; 8]; 8];
-    let mut octant = 0;
-    while octant < 8 {
-        let mut axis = 0;
-        while axis < 3 {
-            let down = octant >> axis & 1 == 1;
-            table[octant][axis] = if down { axis as u32 + 3 } else { axis as u32 };
-            table[octant][axis + 3] = if down { axis as u32 } else { axis as u32 + 3 };
-            axis += 1;
-        }
-        octant += 1;
-    }
-    table
-};
-/// Permuted axes: the direction's largest component last, upwards and downwards. The handedness of triangles stays.
-const AXES: [[u32; 4]; 8] =
-    [[1, 2, 0, 0], [2, 0, 1, 0], [0, 1, 2, 0], [0, 1, 2, 0], [2, 1, 0, 0], [0, 2, 1, 0], [1, 0, 2, 0], [1, 0, 2, 0]];
-
-/// Numbers of ways are below this.
-pub(super) const WAYS: usize = 64;
-
-/// The way that a ray runs: its octant, and above it its permutation. Rays of one way read the same rows of nodes and
-/// the same axes of triangles.
-#[inline(always)]
-pub(super) fn way_of<L: Lanes>(ray: &RayLanes<L>) -> L::Uint {
-    let d = ray.direction;
-    octant(d).or(Longest::of(d).number().shl(3))
-}
 
 /// 1 over a component of a direction, finite. Functions here are no closures, because a closure need not be inlined.
 #[inline(always)]
@@ -107,53 +79,11 @@ fn reciprocal<L: Lanes>(d: L) -> L {
     L::splat(1.0) / d.abs().max(L::splat(TINY)).copysign(d)
 }
 
-/// 1 where the sign is set, else 0.
+/// What to add to offsets of lower planes, and to take from those of upper ones, for what rounding may do.
 #[inline(always)]
-fn sign<L: Lanes>(v: L) -> L::Uint {
-    v.to_bits().shr(31)
-}
-
-/// `value` in the lanes of the mask, else 0.
-#[inline(always)]
-fn pick<L: Lanes>(mask: L::Mask, value: u32) -> L::Uint {
-    L::select(mask, L::from_bits(L::Uint::splat(value)), L::splat(0.0)).to_bits()
-}
-
-/// Signs of the direction, a bit per axis.
-#[inline(always)]
-fn octant<L: Lanes>(d: Vec3<L>) -> L::Uint {
-    sign(d.x).or(sign(d.y).shl(1)).or(sign(d.z).shl(2))
-}
-
-/// Which component of the direction is the largest, and whether it is upwards.
-struct Longest<L: Lanes> {
-    up: L::Mask,
-    z_over: L::Mask,
-    y_over_x: L::Mask,
-}
-
-impl<L: Lanes> Longest<L> {
-    #[inline(always)]
-    fn of(d: Vec3<L>) -> Self {
-        let a = d.abs();
-        let y_over_x = a.x.le(a.y);
-        let z_over = a.x.max(a.y).le(a.z);
-        let main = L::select(z_over, d.z, L::select(y_over_x, d.y, d.x));
-        Self { up: L::splat(0.0).le(main), z_over, y_over_x }
-    }
-    /// Number of the permutation in [`AXES`].
-    #[inline(always)]
-    fn number(&self) -> L::Uint {
-        pick::<L>(self.z_over, 2).or(pick::<L>(self.y_over_x & !self.z_over, 1)).or(pick::<L>(!self.up, 4))
-    }
-    /// Axes in the order of [`AXES`].
-    #[inline(always)]
-    fn permute(&self, v: Vec3<L>) -> Vec3<L> {
-        let along_x = select3(self.up, Vec3::new(v.y, v.z, v.x), Vec3::new(v.z, v.y, v.x));
-        let along_y = select3(self.up, Vec3::new(v.z, v.x, v.y), Vec3::new(v.x, v.z, v.y));
-        let along_z = select3(self.up, v, Vec3::new(v.y, v.x, v.z));
-        select3(self.z_over, along_z, select3(self.y_over_x, along_y, along_x))
-    }
+pub(super) fn padded<L: Lanes>(off: Vec3<L>, inv: Vec3<L>) -> Vec3<L> {
+    let pad = off.abs() * L::splat(OFF_ERROR);
+    Vec3::new(pad.x.copysign(inv.x), pad.y.copysign(inv.y), pad.z.copysign(inv.z))
 }
 
 /// The sixteen numbers of each ray, its octant and its permutation, in lanes.
@@ -163,8 +93,8 @@ pub(super) fn prepare<L: Lanes>(ray: &RayLanes<L>) -> ([L; 16], L::Uint, L::Uint
     let one = L::splat(1.0);
     let inv = Vec3::new(reciprocal(d.x), reciprocal(d.y), reciprocal(d.z));
     let off = o.scale(inv);
-    let pad = off.abs() * L::splat(2.0 * f32::EPSILON);
-    let (near, far) = (off + pad, off - pad);
+    let pad = padded(off, inv);
+    let (lower, upper) = (off + pad, off - pad);
 
     let longest = Longest::of(d);
     let (po, pd) = (longest.permute(o), longest.permute(d));
@@ -174,12 +104,12 @@ pub(super) fn prepare<L: Lanes>(ray: &RayLanes<L>) -> ([L; 16], L::Uint, L::Uint
         inv.x,
         inv.y,
         inv.z,
-        near.x,
-        near.y,
-        near.z,
-        far.x,
-        far.y,
-        far.z,
+        lower.x,
+        lower.y,
+        lower.z,
+        upper.x,
+        upper.y,
+        upper.z,
         pd.x * inv_main,
         pd.y * inv_main,
         inv_main,
@@ -192,12 +122,6 @@ pub(super) fn prepare<L: Lanes>(ray: &RayLanes<L>) -> ([L; 16], L::Uint, L::Uint
 }
 
 impl Prepared {
-    /// The ray of these numbers, octant and permutation.
-    #[inline(always)]
-    pub fn from_numbers(numbers: [f32; 16], octant: u32, permutation: u32) -> Self {
-        Self { numbers, rows: ROWS[(octant & 7) as usize], axes: AXES[(permutation & 7) as usize] }
-    }
-
     /// One ray.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
@@ -207,22 +131,18 @@ impl Prepared {
             t_max: ray.t_max,
         };
         let (numbers, octant, permutation) = prepare(&lanes);
-        Self::from_numbers(numbers, octant, permutation)
+        Self { numbers, axes: AXES[(permutation & 7) as usize], octant }
     }
-    /// Reciprocal of the direction. Slab distances are `plane * inv - off`,
+    /// Reciprocal of the direction. Slab distances are `plane * inv - off`, with an offset for each row of planes: one
+    /// padded so that distances to planes where the ray enters come out too small, and those where it leaves too large.
     #[inline(always)]
     pub fn inv(&self, axis: usize) -> f32 {
         self.numbers[axis]
     }
-    /// with an offset padded so that distances to near planes come out too small
+    /// The offset of planes of row `row` of a node.
     #[inline(always)]
-    pub fn near_off(&self, axis: usize) -> f32 {
-        self.numbers[3 + axis]
-    }
-    /// and one so that those to far planes come out too large.
-    #[inline(always)]
-    pub fn far_off(&self, axis: usize) -> f32 {
-        self.numbers[6 + axis]
+    pub fn off(&self, row: usize) -> f32 {
+        self.numbers[3 + row]
     }
     /// The shear that turns the direction onto the last permuted axis (Woop, Benthin and Wald 2013).
     #[inline(always)]
@@ -245,20 +165,15 @@ impl Prepared {
     pub fn t_max(&self) -> f32 {
         self.numbers[15]
     }
-    /// Row of a node that holds the planes where the ray enters.
-    #[inline(always)]
-    pub fn near_row(&self, axis: usize) -> u32 {
-        self.rows[axis]
-    }
-    /// Row of a node that holds the planes where the ray leaves.
-    #[inline(always)]
-    pub fn far_row(&self, axis: usize) -> u32 {
-        self.rows[3 + axis]
-    }
     /// The axis that permuted axis `k` is.
     #[inline(always)]
     pub fn axis(&self, k: usize) -> u32 {
         self.axes[k]
+    }
+    /// Signs of the direction, a bit per axis.
+    #[inline(always)]
+    pub fn octant(&self) -> u32 {
+        self.octant
     }
 }
 
@@ -289,7 +204,9 @@ impl Prepared8 {
     /// Moves ray `i` to where it is traced from.
     #[inline(always)]
     pub fn copy_to(&self, i: usize, to: &mut Prepared) {
-        *to = Prepared::from_numbers(self.numbers[i], self.octants[i], self.permutations[i]);
+        to.numbers = self.numbers[i];
+        to.axes = AXES[(self.permutations[i] & 7) as usize];
+        to.octant = self.octants[i];
     }
 }
 

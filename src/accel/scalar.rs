@@ -2,7 +2,7 @@
 //! registers. The baseline of the other kernels, and an oracle of theirs that shares the tree and the formulas alone.
 
 use super::layout::{Leaf, Node};
-use super::ray::{Prepared, SLAB_SLACK};
+use super::ray::Prepared;
 use super::triangle::Sheared;
 use super::{Bvh, Hit, LEAF, Ray};
 use crate::lanes::{Lanes, MAX_LANES};
@@ -61,12 +61,12 @@ impl Scalar {
         for lane in 0..MAX_LANES {
             let (mut near, mut far) = (0.0f32, end);
             for axis in 0..3 {
-                let plane = |row| node.plane(row, lane);
-                let n = Lanes::mul_add(plane(ray.near_row(axis)), ray.inv(axis), -ray.near_off(axis));
-                let f = Lanes::mul_add(plane(ray.far_row(axis)), ray.inv(axis), -ray.far_off(axis));
-                (near, far) = (Lanes::max(near, n), Lanes::min(far, f));
+                let to = |row: usize| Lanes::mul_add(node.plane(row as u32, lane), ray.inv(axis), -ray.off(row));
+                let (lower, upper) = (to(axis), to(axis + 3));
+                near = Lanes::max(near, Lanes::min(lower, upper));
+                far = Lanes::min(far, Lanes::max(lower, upper));
             }
-            if near <= far * SLAB_SLACK {
+            if near <= far {
                 let mut at = self.stack.len();
                 self.stack.push((near, node.child(lane)));
                 while at > first && self.stack[at - 1].0 < near {

@@ -1,23 +1,23 @@
 //! One ray at a time (kernel A): the node's eight boxes at once, nearest first. For stragglers and as the oracle.
 
-use super::boxes::{distance, enter, keys, order};
+use super::boxes::{Met, enter};
 use super::layout::Node;
 use super::ray::Prepared;
 use super::triangle::{any_in_leaf, closest_in_leaf};
 use super::{Bvh, Hit, LEAF, Ray};
-use crate::lanes::{Kernel, LanesU32, Mask, Wide, WideU32, dispatch};
+use crate::lanes::{Kernel, LanesU32, Wide, dispatch};
 
 /// Traverses a tree with one ray at a time; holds the stack between rays.
 #[derive(Clone, Debug)]
 pub struct Single {
-    keys: Vec<u32>,
+    near: Vec<f32>,
     codes: Vec<u32>,
 }
 
 impl Single {
     /// Room for any traversal of `bvh`.
     pub fn new(bvh: &Bvh) -> Self {
-        Self { keys: vec![0; bvh.stack_bound], codes: vec![0; bvh.stack_bound] }
+        Self { near: vec![0.0; bvh.stack_bound], codes: vec![0; bvh.stack_bound] }
     }
 
     /// The nearest hit.
@@ -39,12 +39,12 @@ impl Single {
         }
         let (tree, prepared) = (bvh.tree(), Prepared::new(ray));
         let pad = prepared.pad(tree.slack);
-        self.keys[0] = 0;
+        self.near[0] = 0.0;
         self.codes[0] = 0;
         let mut top = 1;
         while top > 0 {
             top -= 1;
-            if distance(self.keys[top]) > hit.t + pad {
+            if self.near[top] > hit.t + pad {
                 continue;
             }
             let code = self.codes[top];
@@ -75,23 +75,21 @@ impl Single {
                 }
             } else {
                 let node = tree.node(code);
-                let bits = enter::<W>(node, &prepared, ray.t_max).0.bits();
-                node.children::<W>().pack(bits).store(&mut self.codes[top..]);
-                top += bits.count_ones() as usize;
+                let met = Met::new(enter::<W>(node, &prepared, ray.t_max), node.order(prepared.octant()));
+                met.codes(node.children::<W>()).store(&mut self.codes[top..]);
+                top += met.count();
             }
         }
         false
     }
 
-    /// Pushes the children that the ray meets, the nearest on top, and returns how many.
+    /// Pushes the children that the ray meets, the one to visit first on top, and returns how many.
     #[inline(always)]
     fn push<W: Wide>(&mut self, node: &Node, ray: &Prepared, t_max: f32, top: usize) -> usize {
-        let (hit, near) = enter::<W>(node, ray, t_max);
-        let bits = hit.bits();
-        let keys = order(keys::<W>(hit, near), bits);
-        keys.store(&mut self.keys[top..]);
-        node.children::<W>().permute(keys).store(&mut self.codes[top..]);
-        bits.count_ones() as usize
+        let met = Met::new(enter::<W>(node, ray, t_max), node.order(ray.octant()));
+        met.near().store(&mut self.near[top..]);
+        met.codes(node.children::<W>()).store(&mut self.codes[top..]);
+        met.count()
     }
 }
 

@@ -4,14 +4,15 @@
 //! A tile whose rays run apart, or whose intervals let too much through, is handed to kernel D.
 
 use super::batch::BatchTracer;
-use super::boxes::{LEAST, distance, keys as keys_of, order};
+use super::boxes::Met;
 use super::group::{Group, farthest};
 use super::layout::Node;
-use super::ray::{Prepared, RayLanes, RaySource, RaysFrom, prepare};
+use super::ray::{RayLanes, RaySource, RaysFrom, prepare};
 use super::stream::Streams;
+use super::way::Way;
 use super::{Bvh, Hit, LEAF, STACK};
 use crate::columns::Rows;
-use crate::lanes::{LanesU32, MAX_LANES, Mask, Wide, WideU32};
+use crate::lanes::{LanesU32, MAX_LANES, Mask, Wide};
 
 /// Rays of a tile.
 pub const TILE: usize = 64;
@@ -33,18 +34,18 @@ struct Interval {
 }
 
 impl Interval {
-    /// Boxes of a node that some ray may meet before `t_max`, and a distance that none of them falls short of.
+    /// Where the first of the rays may enter the boxes of a node and the last may leave them, before `t_max`.
     #[inline(always)]
-    fn enter<W: Wide>(&self, node: &Node, like: &Prepared, t_max: f32) -> (W::Mask, W) {
-        let (mut near, mut far) = (W::splat(LEAST), W::splat(t_max));
+    fn enter<W: Wide>(&self, node: &Node, way: &Way, t_max: f32) -> (W, W) {
+        let (mut near, mut far) = (W::splat(0.0), W::splat(t_max));
         for axis in 0..3 {
             let (lo, hi) = (W::splat(self.inv[axis][0]), W::splat(self.inv[axis][1]));
-            let n = node.row::<W>(like.near_row(axis)) - W::splat(self.near_origin[axis]);
-            let f = node.row::<W>(like.far_row(axis)) - W::splat(self.far_origin[axis]);
+            let n = node.row::<W>(way.near_row(axis)) - W::splat(self.near_origin[axis]);
+            let f = node.row::<W>(way.far_row(axis)) - W::splat(self.far_origin[axis]);
             near = near.max((n * lo).min(n * hi));
             far = far.min((f * lo).max(f * hi));
         }
-        (near.le(far * W::splat(INTERVAL_SLACK)), (near * W::splat(2.0 - INTERVAL_SLACK)).max(W::splat(LEAST)))
+        (near * W::splat(2.0 - INTERVAL_SLACK), far * W::splat(INTERVAL_SLACK))
     }
 }
 
@@ -52,17 +53,18 @@ impl Interval {
 #[derive(Clone, Debug)]
 pub struct Tiles {
     groups: Box<[Group; GROUPS]>,
-    keys: Box<[u32; STACK]>,
+    near: Box<[f32; STACK]>,
     codes: Box<[u32; STACK]>,
     parents: Box<[u32; STACK]>,
+    lanes: Box<[u32; STACK]>,
     loose: Streams,
 }
 
 impl Default for Tiles {
     fn default() -> Self {
         let stack = || Box::new([0; STACK]);
-        let groups = Box::new([Group::empty(); GROUPS]);
-        Self { groups, keys: stack(), codes: stack(), parents: stack(), loose: Streams::new() }
+        let (groups, near) = (Box::new([Group::empty(); GROUPS]), Box::new([0.0; STACK]));
+        Self { groups, near, codes: stack(), parents: stack(), lanes: stack(), loose: Streams::new() }
     }
 }
 
@@ -124,38 +126,37 @@ impl Tiles {
         first: usize,
         n: usize,
     ) -> bool {
-        let Some((like, interval)) = self.load::<W>(rays, first, n) else { return false };
+        let Some((way, interval)) = self.load::<W>(rays, first, n) else { return false };
         let (tree, groups) = (bvh.tree_for::<ANY>(), n.div_ceil(MAX_LANES));
-        let Self { groups: all, keys, codes, parents, .. } = self;
+        let Self { groups: all, near, codes, parents, lanes, .. } = self;
         let groups = &mut all[..groups];
         let pad = interval.shear * tree.slack;
         let mut t_max = farthest::<W>(groups) + pad;
-        (keys[0], codes[0], parents[0]) = (0, 0, 0);
+        (near[0], codes[0]) = (0.0, 0);
         let (mut top, mut work) = (1, 0);
         while top > 0 {
             top -= 1;
-            let (key, code) = (keys[top], codes[top]);
-            if distance(key) > t_max {
+            let code = codes[top];
+            if near[top] > t_max {
                 continue;
             }
             work += 1;
             if code & LEAF == 0 {
                 let node = tree.node(code);
-                let (hit, near) = interval.enter::<W>(node, &like, t_max);
-                let bits = hit.bits();
-                let met = order(keys_of::<W>(hit, near), bits);
-                met.store(&mut keys[top..]);
-                node.children::<W>().permute(met).store(&mut codes[top..]);
+                let met = Met::new(interval.enter::<W>(node, &way, t_max), node.order(way.octant()));
+                met.near().store(&mut near[top..]);
+                met.codes(node.children::<W>()).store(&mut codes[top..]);
+                met.lanes().store(&mut lanes[top..]);
                 W::Uint::splat(code).store(&mut parents[top..]);
-                top += bits.count_ones() as usize;
+                top += met.count();
                 continue;
             }
-            let (leaf, parent, lane) = (tree.leaf(code), tree.node(parents[top]), (key & 7) as usize);
+            let (leaf, parent, lane) = (tree.leaf(code), tree.node(parents[top]), (lanes[top] & 7) as usize);
             let mut any = false;
             for group in groups.iter_mut() {
-                if group.meets::<W>(parent, lane, &like, tree.slack) {
+                if group.meets::<W>(parent, lane, &way, tree.slack) {
                     work += 2;
-                    any |= if ANY { group.any::<W>(leaf, &like) } else { group.closest::<W>(leaf, &like) };
+                    any |= if ANY { group.any::<W>(leaf, &way) } else { group.closest::<W>(leaf, &way) };
                 }
             }
             work += 2;
@@ -171,12 +172,7 @@ impl Tiles {
 
     /// Sets the rays up, and finds what holds them; `None` if they do not run the same way.
     #[inline(always)]
-    fn load<W: Wide>(
-        &mut self,
-        rays: &(impl RaySource + ?Sized),
-        first: usize,
-        n: usize,
-    ) -> Option<(Prepared, Interval)> {
+    fn load<W: Wide>(&mut self, rays: &(impl RaySource + ?Sized), first: usize, n: usize) -> Option<(Way, Interval)> {
         let mut differ = W::Uint::splat(0);
         let mut ways = W::Uint::splat(0);
         let mut least = [W::splat(f32::INFINITY); 6];
@@ -207,7 +203,6 @@ impl Tiles {
             return None;
         }
         let way = ways.array()[0];
-        let like = Prepared::from_numbers([0.0; 16], way & 7, way >> 3);
         let mut range = [[0.0; 2]; 6];
         for (k, range) in range.iter_mut().enumerate() {
             *range = [least[k].min_lane(), -(-largest[k]).min_lane()];
@@ -217,7 +212,7 @@ impl Tiles {
         let up = |axis: usize| usize::from(way >> axis & 1 == 0);
         let near_origin = std::array::from_fn(|axis| origin[axis][up(axis)]);
         let far_origin = std::array::from_fn(|axis| origin[axis][1 - up(axis)]);
-        Some((like, Interval { inv, shear: -(-shear).min_lane(), near_origin, far_origin }))
+        Some((Way::new(way), Interval { inv, shear: -(-shear).min_lane(), near_origin, far_origin }))
     }
 }
 

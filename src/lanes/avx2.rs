@@ -7,6 +7,7 @@
 //! methods are `#[inline(always)]`, so that they end up in its function for such processors: there each is one or two
 //! instructions. Whatever only moves lanes is a cast of bytes, and safe.
 
+#[cfg(not(target_feature = "avx512vl"))]
 use super::eight::PACK;
 use super::{Lanes, LanesU32, Mask, Wide, WideU32};
 use bytemuck::cast;
@@ -93,6 +94,11 @@ impl WideU32 for Avx2U32 {
     fn complement(self) -> Self {
         self.xor(Self::splat(u32::MAX))
     }
+    #[inline(always)]
+    fn shr_each(self, by: [u32; 8]) -> Self {
+        // SAFETY: see the module's documentation.
+        Self(unsafe { _mm256_srlv_epi32(self.0, cast(by)) })
+    }
 }
 
 impl LanesU32 for Avx2U32 {
@@ -139,6 +145,13 @@ impl LanesU32 for Avx2U32 {
         *dst.first_chunk_mut::<8>().expect("eight lanes") = self.array();
     }
     #[inline(always)]
+    #[cfg(target_feature = "avx512vl")]
+    fn pack(self, bits: u32) -> Self {
+        // SAFETY: the build asks for it.
+        Self(unsafe { _mm256_maskz_compress_epi32(bits as u8, self.0) })
+    }
+    #[inline(always)]
+    #[cfg(not(target_feature = "avx512vl"))]
     fn pack(self, bits: u32) -> Self {
         self.permute_const(PACK[(bits & 255) as usize])
     }

@@ -15,11 +15,6 @@ pub(super) const PACK: [[u32; 8]; 256] = {
             }
             lane += 1;
         }
-        // What is past them repeats a lane that is not in the set.
-        while to < 8 {
-            table[bits][to] = (!bits & 255).trailing_zeros() & 7;
-            to += 1;
-        }
         bits += 1;
     }
     table
@@ -37,6 +32,8 @@ pub trait WideU32: LanesU32<Array = [u32; 8]> {
     fn max(self, other: Self) -> Self;
     /// The complement of all bits.
     fn complement(self) -> Self;
+    /// Lane i shifted right by `by[i]` < 32.
+    fn shr_each(self, by: [u32; 8]) -> Self;
     /// The smallest lane.
     #[inline(always)]
     fn min_lane(self) -> u32 {
@@ -54,6 +51,11 @@ pub trait Wide: Lanes<Array = [f32; 8], Uint: WideU32> {
     fn select_u32(mask: Self::Mask, yes: Self::Uint, no: Self::Uint) -> Self::Uint;
     /// Lane i of row k becomes lane k of row i.
     fn transpose(rows: [Self; 8]) -> [Self; 8];
+    /// Lane i becomes lane `index[i] & 7`.
+    #[inline(always)]
+    fn permute(self, index: Self::Uint) -> Self {
+        Self::from_bits(self.to_bits().permute(index))
+    }
     /// The smallest lane; no lane is NaN.
     #[inline(always)]
     fn min_lane(self) -> f32 {
@@ -190,6 +192,8 @@ mod tests {
                 "the index is taken modulo 8"
             );
             assert_eq!(a.permute_const(order).array(), expected);
+            let by = [0, 4, 8, 31, 1, 28, 3, 2];
+            assert_eq!(a.shr_each(by).array(), std::array::from_fn(|i| x[i] >> by[i]));
         }
     }
 

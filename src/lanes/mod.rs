@@ -54,7 +54,7 @@ pub trait LanesU32: Copy + std::fmt::Debug + Send + Sync + 'static {
     fn array(self) -> Self::Array;
     /// Writes the lanes to `dst[0..N]`.
     fn store(self, dst: &mut [u32]);
-    /// Moves the lanes whose bit is set to the front, in order; the rest repeat a lane whose bit is not set.
+    /// Moves the lanes whose bit is set to the front, in order; the rest is unspecified.
     fn pack(self, bits: u32) -> Self;
     /// Wrapping sum.
     fn add(self, other: Self) -> Self;

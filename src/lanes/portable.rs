@@ -74,6 +74,10 @@ impl WideU32 for U32x8 {
     fn complement(self) -> Self {
         Self(!self.0)
     }
+    #[inline(always)]
+    fn shr_each(self, by: [u32; 8]) -> Self {
+        Self(self.0 >> u32x8::new(by))
+    }
 }
 
 impl LanesU32 for U32x8 {

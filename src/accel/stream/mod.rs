@@ -12,7 +12,8 @@ mod rays;
 use super::batch::BatchTracer;
 use super::feed::Feed;
 use super::many::{Many, Slot};
-use super::ray::{Prepared, Prepared8, RaySource, RaysFrom, WAYS, way_of};
+use super::ray::{Prepared8, RaySource, RaysFrom};
+use super::way::{WAYS, Way, way_of};
 use super::{Bvh, Hit, LEAF, Tree};
 use crate::columns::Rows;
 use crate::lanes::{LanesU32, MAX_LANES, Wide};
@@ -29,11 +30,12 @@ const WAITING: usize = 512;
 const SHORT: usize = 12;
 /// Rays of a batch below which all of it is left to kernel B: its lists would be short.
 const FEW: usize = 256;
-/// Share of a batch that waits, in per cent, above which the next rays are left to kernel B at once, where nearest hits
-/// and where any are looked for,
-const MOST: [usize; 2] = [60, 50];
+/// Share of a batch that waits, in per cent, above which the next rays are left to kernel B at once,
+const MOST: usize = 50;
 /// and how many.
 const DIRECT: usize = 32 * BATCH;
+/// Size of trees, in bytes, from which on kernel B alone looks for any hit: it needs no order and no distances then.
+const LARGE: usize = 2 << 20;
 
 /// A ray that waits for kernel B.
 #[derive(Clone, Copy, Debug)]
@@ -91,7 +93,7 @@ impl BatchTracer for Streams {
         rays: &(impl RaySource + ?Sized),
         mut found: impl FnMut(usize, Hit),
     ) {
-        if bvh.is_empty() {
+        if bvh.is_empty() || ANY && bvh.bytes() >= LARGE {
             self.many.trace::<W, ANY>(bvh, count, rays, found);
             return;
         }
@@ -103,7 +105,7 @@ impl BatchTracer for Streams {
             if *direct > 0 || n < FEW {
                 *direct = direct.saturating_sub(n);
                 self.many.trace::<W, ANY>(bvh, n, &RaysFrom { rays, first }, |i, hit| found(first + i, hit));
-            } else if self.batch::<W, ANY>(bvh, rays, first, n, &mut found) * 100 > n * MOST[usize::from(ANY)] {
+            } else if self.batch::<W, ANY>(bvh, rays, first, n, &mut found) * 100 > n * MOST {
                 self.direct[usize::from(ANY)] = DIRECT;
             }
             first += n;
@@ -125,14 +127,13 @@ impl Streams {
         let ends = self.sort::<W>(rays, first, n);
         let (mut from, mut waited) = (0, 0);
         for (way, &end) in ends.iter().enumerate() {
-            let (way, end) = (way as u32, end as usize);
-            let like = Prepared::from_numbers([0.0; 16], way & 7, way >> 3);
+            let (way, end) = (Way::new(way as u32), end as usize);
             while from < end {
                 let n = STREAM.min(end - from);
                 if self.waiting.len() + n > WAITING {
                     waited += self.land::<W, ANY>(bvh, rays, found);
                 }
-                self.stream::<W, ANY>(bvh.tree_for::<ANY>(), &like, rays, from, n, found);
+                self.stream::<W, ANY>(bvh.tree_for::<ANY>(), &way, rays, from, n, found);
                 from += n;
             }
         }
@@ -184,7 +185,7 @@ impl Streams {
     fn stream<W: Wide, const ANY: bool>(
         &mut self,
         tree: Tree,
-        like: &Prepared,
+        way: &Way,
         source: &(impl RaySource + ?Sized),
         from: usize,
         n: usize,
@@ -195,7 +196,7 @@ impl Streams {
         if frames.is_empty() {
             frames.push(Frame::empty());
         }
-        rays.start::<W>(tree.node(0), like, source, sorted, &mut frames[0], tree.slack);
+        rays.start::<W>(tree.node(0), way, source, sorted, &mut frames[0], tree.slack);
         let mut level = 0;
         loop {
             let frame = &mut frames[level];
@@ -209,7 +210,7 @@ impl Streams {
             let code = tree.node(frame.code).child(lane);
             let list = &frame.lists[lane];
             if code & LEAF != 0 {
-                rays.meet_leaf::<W, ANY>(tree.leaf(code), like, list, tree.slack);
+                rays.meet_leaf::<W, ANY>(tree.leaf(code), way, list, tree.slack);
                 continue;
             }
             if list.len < SHORT && rays.postpone(list, code) {
@@ -220,7 +221,7 @@ impl Streams {
                 frames.push(Frame::empty());
             }
             if let [above, below, ..] = &mut frames[level - 1..] {
-                rays.meet_node::<W>(tree.node(code), code, like, &above.lists[lane], below, tree.slack);
+                rays.meet_node::<W>(tree.node(code), code, way, &above.lists[lane], below, tree.slack);
             }
         }
         for (i, &ray) in sorted.iter().enumerate() {

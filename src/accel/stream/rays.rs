@@ -3,7 +3,8 @@
 use super::super::Hit;
 use super::super::group::RayHits;
 use super::super::layout::{Leaf, Node};
-use super::super::ray::{Prepared, RaySource, SLAB_SLACK, prepare};
+use super::super::ray::{RaySource, prepare};
+use super::super::way::Way;
 use super::STREAM;
 use super::frame::{Frame, List, Slabs};
 use crate::columns::Rows;
@@ -31,7 +32,7 @@ pub struct Later {
 const NOTHING: Later = Later { near: [f32::NAN; 8], codes: [0; 8] };
 
 impl Row {
-    /// Behind this distance nothing is looked for, with `slack` as in [`Prepared::pad`].
+    /// Behind this distance nothing is looked for, with `slack` as in [`super::super::ray::Prepared::pad`].
     #[inline(always)]
     fn end(&self, slack: f32) -> f32 {
         self.shear[6] + self.shear[2].abs() * slack
@@ -64,8 +65,7 @@ impl Rays {
     /// What waits for ray `i` and is not behind its hit.
     #[inline(always)]
     pub fn later<W: Wide>(&self, i: usize, slack: f32) -> Option<Later> {
-        let waits =
-            self.laters[i] > 0 && W::load(&self.later[i].near).le(W::splat(self.rows[i].end(slack) * SLAB_SLACK)).any();
+        let waits = self.laters[i] > 0 && W::load(&self.later[i].near).le(W::splat(self.rows[i].end(slack))).any();
         if waits { Some(self.later[i]) } else { None }
     }
 
@@ -74,21 +74,20 @@ impl Rays {
     pub fn start<W: Wide>(
         &mut self,
         root: &Node,
-        like: &Prepared,
+        way: &Way,
         source: &(impl RaySource + ?Sized),
         numbers: &[u32],
         frame: &mut Frame,
         slack: f32,
     ) {
-        frame.start(0);
-        let mut sums = [W::splat(0.0); MAX_LANES];
+        frame.start(0, root.order(way.octant()));
         let none = W::from_bits(W::Uint::splat(Hit::NONE));
         let zero = W::splat(0.0);
         for (g, chunk) in numbers.chunks(MAX_LANES).enumerate() {
             let at = g * MAX_LANES;
             let batch = source.rays::<W>(&Rows::listed(chunk));
             let (numbers, ..) = prepare(&batch);
-            let [ix, iy, iz, nx, ny, nz, fx, fy, fz, sx, sy, sz, ox, oy, oz, t] = numbers;
+            let [ix, iy, iz, _, _, _, _, _, _, sx, sy, sz, ox, oy, oz, t] = numbers;
             let o = batch.origin;
             let slabs = W::transpose([ix, iy, iz, o.x, o.y, o.z, zero, zero]);
             let shear = W::transpose([sx, sy, sz, ox, oy, oz, t, none]);
@@ -97,16 +96,10 @@ impl Rays {
                 shear[i].store(&mut row.shear);
             }
             self.laters[at..at + MAX_LANES].fill(0);
-            let slabs = Slabs {
-                inv: [ix, iy, iz],
-                near_off: [nx, ny, nz],
-                far_off: [fx, fy, fz],
-                end: t + sz.abs() * W::splat(slack),
-            };
+            let slabs = Slabs::new([ix, iy, iz], [o.x, o.y, o.z], t + sz.abs() * W::splat(slack));
             let numbers = W::Uint::load(&[0, 1, 2, 3, 4, 5, 6, 7]).add(W::Uint::splat(at as u32));
-            frame.enter(root, like, &slabs, numbers, Rows::range(0, chunk.len()).live(), &mut sums);
+            frame.enter(root, way, &slabs, numbers, Rows::range(0, chunk.len()).live());
         }
-        frame.sort(&sums);
     }
 
     /// Leaves a child to kernel B; false if one of the rays has no room for it.
@@ -131,62 +124,38 @@ impl Rays {
 
     /// Rays of a list meet the children of an inner node.
     #[inline(always)]
-    pub fn meet_node<W: Wide>(
-        &self,
-        node: &Node,
-        code: u32,
-        like: &Prepared,
-        list: &List,
-        below: &mut Frame,
-        slack: f32,
-    ) {
-        below.start(code);
-        let mut sums = [W::splat(0.0); MAX_LANES];
+    pub fn meet_node<W: Wide>(&self, node: &Node, code: u32, way: &Way, list: &List, below: &mut Frame, slack: f32) {
+        below.start(code, node.order(way.octant()));
         for at in (0..list.len).step_by(MAX_LANES) {
             let n = MAX_LANES.min(list.len - at);
             let row = |i: usize| &self.rows[list.rays[at + i.min(n - 1)] as usize % STREAM];
             let [ix, iy, iz, ox, oy, oz, ..] = W::columns8(|i| &row(i).slabs);
             let end = W::from_fn(|i| row(i).end(slack));
-            let (inv, o) = ([ix, iy, iz], [ox, oy, oz]);
-            let (mut near_off, mut far_off) = (inv, inv);
-            for axis in 0..3 {
-                let off = o[axis] * inv[axis];
-                let pad = off.abs() * W::splat(2.0 * f32::EPSILON);
-                (near_off[axis], far_off[axis]) = (off + pad, off - pad);
-            }
             // Not those that have hit something before this node.
-            let late = W::load(&list.near[at..]).le(end * W::splat(SLAB_SLACK)).bits();
-            let slabs = Slabs { inv, near_off, far_off, end };
-            below.enter(
-                node,
-                like,
-                &slabs,
-                W::Uint::load(&list.rays[at..]),
-                late & Rows::range(0, n).live(),
-                &mut sums,
-            );
+            let late = W::load(&list.near[at..]).le(end).bits();
+            let slabs = Slabs::new([ix, iy, iz], [ox, oy, oz], end);
+            below.enter(node, way, &slabs, W::Uint::load(&list.rays[at..]), late & Rows::range(0, n).live());
         }
-        below.sort(&sums);
     }
 
     /// Rays of a list meet the triangles of a leaf.
     #[inline(always)]
-    pub fn meet_leaf<W: Wide, const ANY: bool>(&mut self, leaf: &Leaf, like: &Prepared, list: &List, slack: f32) {
+    pub fn meet_leaf<W: Wide, const ANY: bool>(&mut self, leaf: &Leaf, way: &Way, list: &List, slack: f32) {
         for at in (0..list.len).step_by(MAX_LANES) {
             let n = MAX_LANES.min(list.len - at);
             let index = |i: usize| list.rays[at + i.min(n - 1)] as usize % STREAM;
             let [sx, sy, sz, ox, oy, oz, t, id] = W::columns8(|i| &self.rows[index(i)].shear);
             let end = t + sz.abs() * W::splat(slack);
-            let late = W::load(&list.near[at..]).le(end * W::splat(SLAB_SLACK)).bits() & Rows::range(0, n).live();
+            let late = W::load(&list.near[at..]).le(end).bits() & Rows::range(0, n).live();
             if late == 0 {
                 continue;
             }
             let (origin, shear) = ([ox, oy, oz], [sx, sy, sz]);
             let mut hits = RayHits { t, u: W::splat(0.0), v: W::splat(0.0), triangle: id.to_bits() };
             let changed = if ANY {
-                hits.any::<false>(leaf, like, origin, shear)
+                hits.any::<false>(leaf, way, origin, shear)
             } else {
-                hits.closest::<false>(leaf, like, origin, shear)
+                hits.closest::<false>(leaf, way, origin, shear)
             };
             let mut bits = changed.bits() & late;
             let (t, u, v, triangle) = (hits.t.array(), hits.u.array(), hits.v.array(), hits.triangle.array());
