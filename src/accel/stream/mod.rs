@@ -1,6 +1,6 @@
 //! Streams of rays (kernel D): all rays of a batch that run the same way enter the tree together. Eight of them meet a
 //! box at a time, and each child gets the list of those that meet it; eight rays of a list meet a triangle at a time. At
-//! the top of a tree lists are long and lanes full, and no ray waits for a sort or a mispredicted branch of its own.
+//! the top of a tree lists are long and lanes full, and no ray waits for a mispredicted branch of its own.
 //! What is left of a ray where lists get short is traced by kernel B, from the nodes that wait for it.
 //!
 //! Rays are put in order of their way first, one octant and one main axis, so that a list reads the same planes of boxes
@@ -34,7 +34,7 @@ const FEW: usize = 256;
 const MOST: usize = 50;
 /// and how many.
 const DIRECT: usize = 32 * BATCH;
-/// Size of trees, in bytes, from which on kernel B alone looks for any hit: it needs no order and no distances then.
+/// Size of trees, in bytes, from which on kernel B alone looks for any hit: lists save it less there than they cost.
 const LARGE: usize = 2 << 20;
 
 /// A ray that waits for kernel B.
