@@ -49,16 +49,20 @@ impl Group {
         [self.number(k), self.number(k + 1), self.number(k + 2)]
     }
 
+    /// Distances to a plane of a box, which is in row `row` of the node.
+    #[inline(always)]
+    fn slab<W: Wide>(&self, node: &Node, lane: usize, axis: usize, row: u32) -> W {
+        W::splat(node.plane(row, lane)).mul_add(self.number(axis), -self.number::<W>(3 + row as usize))
+    }
+
     /// Whether any ray meets a box of a node before what it has hit.
     #[inline(always)]
     pub fn meets<W: Wide>(&self, node: &Node, lane: usize, way: &Way, slack: f32) -> bool {
         let pad = self.number::<W>(11).abs() * W::splat(slack);
         let (mut near, mut far) = (W::splat(0.0), W::load(&self.t) + pad);
         for axis in 0..3 {
-            let inv = self.number::<W>(axis);
-            let to = |row: u32| W::splat(node.plane(row, lane)).mul_add(inv, -self.number::<W>(3 + row as usize));
-            near = near.max(to(way.near_row(axis)));
-            far = far.min(to(way.far_row(axis)));
+            near = near.max(self.slab(node, lane, axis, way.near_row(axis)));
+            far = far.min(self.slab(node, lane, axis, way.far_row(axis)));
         }
         near.le(far).any()
     }
