@@ -81,7 +81,7 @@ fn reciprocal<L: Lanes>(d: L) -> L {
 
 /// What to add to offsets of lower planes, and to take from those of upper ones, for what rounding may do.
 #[inline(always)]
-pub(super) fn padded<L: Lanes>(off: Vec3<L>, inv: Vec3<L>) -> Vec3<L> {
+fn padded<L: Lanes>(off: Vec3<L>, inv: Vec3<L>) -> Vec3<L> {
     let pad = off.abs() * L::splat(OFF_ERROR);
     Vec3::new(pad.x.copysign(inv.x), pad.y.copysign(inv.y), pad.z.copysign(inv.z))
 }

@@ -83,16 +83,10 @@ impl Mask for Avx2Mask {
 impl WideU32 for Avx2U32 {
     one_instruction! {
         permute(index) = _mm256_permutevar8x32_epi32;
-        min(other) = _mm256_min_epu32;
-        max(other) = _mm256_max_epu32;
     }
     #[inline(always)]
     fn permute_const(self, index: [u32; 8]) -> Self {
         self.permute(Self(cast(index)))
-    }
-    #[inline(always)]
-    fn complement(self) -> Self {
-        self.xor(Self::splat(u32::MAX))
     }
     #[inline(always)]
     fn shr_each(self, by: [u32; 8]) -> Self {

@@ -1,4 +1,4 @@
-//! What eight lanes can do and one cannot: order, exchange and compare lanes among each other.
+//! What eight lanes can do and one cannot: exchange and compare lanes among each other.
 
 use super::{Lanes, LanesU32};
 
@@ -26,21 +26,8 @@ pub trait WideU32: LanesU32<Array = [u32; 8]> {
     fn permute(self, index: Self) -> Self;
     /// Lane i becomes lane `index[i]`, each below 8.
     fn permute_const(self, index: [u32; 8]) -> Self;
-    /// The smaller, lane by lane.
-    fn min(self, other: Self) -> Self;
-    /// The larger, lane by lane.
-    fn max(self, other: Self) -> Self;
-    /// The complement of all bits.
-    fn complement(self) -> Self;
     /// Lane i shifted right by `by[i]` < 32.
     fn shr_each(self, by: [u32; 8]) -> Self;
-    /// The smallest lane.
-    #[inline(always)]
-    fn min_lane(self) -> u32 {
-        let v = self.min(self.permute_const([4, 5, 6, 7, 0, 1, 2, 3]));
-        let v = v.min(v.permute_const([2, 3, 0, 1, 6, 7, 4, 5]));
-        v.min(v.permute_const([1, 0, 3, 2, 5, 4, 7, 6])).array()[0]
-    }
 }
 
 /// Eight `f32`.
@@ -165,7 +152,7 @@ mod tests {
             let x: [u32; 8] = [0, 1, 7, 0x8000_0000, u32::MAX, 0xdead_beef, 12345, 0x00ff_ff00];
             const Y: u32 = 0x9e37_79b9;
             let (a, b) = (W::Uint::load(&x), W::Uint::splat(Y));
-            let results: [(&str, W::Uint, IntegerTwin); 11] = [
+            let results: [(&str, W::Uint, IntegerTwin); 8] = [
                 ("add", a.add(b), |x| x.wrapping_add(Y)),
                 ("mul", a.mul(b), |x| x.wrapping_mul(Y)),
                 ("xor", a.xor(b), |x| x ^ Y),
@@ -174,9 +161,6 @@ mod tests {
                 ("shl", a.shl(5), |x| x << 5),
                 ("shr", a.shr(31), |x| x >> 31),
                 ("rotl", a.rotl(7), |x| x.rotate_left(7)),
-                ("min", a.min(b), |x| Ord::min(x, Y)),
-                ("max", a.max(b), |x| Ord::max(x, Y)),
-                ("complement", a.complement(), |x| !x),
             ];
             for (name, wide, scalar) in results {
                 assert_eq!(wide.array(), x.map(scalar), "{name}");

@@ -63,18 +63,6 @@ impl WideU32 for U32x8 {
         Self(self.0.shuffle(u32x8::new(index)))
     }
     #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        Self(self.0.min(other.0))
-    }
-    #[inline(always)]
-    fn max(self, other: Self) -> Self {
-        Self(self.0.max(other.0))
-    }
-    #[inline(always)]
-    fn complement(self) -> Self {
-        Self(!self.0)
-    }
-    #[inline(always)]
     fn shr_each(self, by: [u32; 8]) -> Self {
         Self(self.0 >> u32x8::new(by))
     }
