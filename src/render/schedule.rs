@@ -1,7 +1,7 @@
 //! Jobs onto threads; with `accel/parallel.rs` the only file that names rayon.
 //!
-//! Jobs are taken off one counter. Their sums reach each pixel in the order of the samples, whichever thread is first:
-//! what arrives early waits.
+//! Visits of tiles, of one job or a few, are taken off one counter. Their sums reach each pixel in the order of the samples,
+//! whichever thread is first: what arrives early waits.
 
 use super::{Control, Integrator, Rendered, Settings, reference};
 use crate::error::{Error, Result};
@@ -14,59 +14,68 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-/// Sums of a job's pixels.
+/// What a visit of a tile gave: sums of its pixels, pass after pass.
 #[derive(Clone, Debug, Default)]
-struct JobSums {
+struct Sums {
     pixels: Vec<Pixel>,
     bad: Vec<BadSample>,
 }
 
-/// What workers write to, once per job, on cache lines apart from all that they read.
+impl Sums {
+    fn clear(&mut self) {
+        self.pixels.clear();
+        self.bad.clear();
+    }
+    /// Adds a pass.
+    fn accumulate(&mut self, job: &Job, samples: &[[f32; 3]]) {
+        let first = self.pixels.len();
+        self.pixels.resize(first + job.pixels.len(), Pixel::default());
+        for (Place { index, pixel, sample }, &radiance) in job.places(0).zip(samples) {
+            if !self.pixels[first + index].add(radiance) {
+                self.bad.push(BadSample { pixel, sample });
+            }
+        }
+    }
+}
+
+/// What workers write to, once per visit of a tile, on cache lines apart from all that they read.
 #[repr(align(128))]
 struct Shared {
-    /// Number of the next job.
+    /// Number of the next visit.
     next: AtomicUsize,
     merge: Mutex<Merge>,
 }
 
-/// The film, and what has come out of order: by tile and pass.
+/// The film, and what has come out of order: by tile and visit.
 struct Merge {
     film: Film,
     bad: Vec<BadSample>,
-    next_pass: Vec<u32>,
-    early: BTreeMap<(usize, u32), (Job, JobSums)>,
+    next_visit: Vec<u32>,
+    early: BTreeMap<(usize, u32), (Job, Sums)>,
 }
 
 impl Merge {
-    /// Adds a job's sums, or keeps both until it is their turn.
-    fn add(&mut self, job: &mut Job, sums: &mut JobSums) {
+    /// Adds a visit's sums, or keeps them and the job until it is their turn.
+    fn add(&mut self, visit: u32, job: &mut Job, sums: &mut Sums) {
         let tile = job.tile;
-        if job.pass != self.next_pass[tile] {
-            self.early.insert((tile, job.pass), (std::mem::take(job), std::mem::take(sums)));
+        if visit != self.next_visit[tile] {
+            self.early.insert((tile, visit), (std::mem::take(job), std::mem::take(sums)));
             return;
         }
         self.merge(job, sums);
-        while let Some((job, sums)) = self.early.remove(&(tile, self.next_pass[tile])) {
+        while let Some((job, sums)) = self.early.remove(&(tile, self.next_visit[tile])) {
             self.merge(&job, &sums);
         }
     }
-    fn merge(&mut self, job: &Job, sums: &JobSums) {
-        for (&pixel, sum) in job.pixels.iter().zip(&sums.pixels) {
-            self.film.pixel_mut(pixel).merge(sum);
+    fn merge(&mut self, job: &Job, sums: &Sums) {
+        for (index, &pixel) in job.pixels.iter().enumerate() {
+            let pixel = self.film.pixel_mut(pixel);
+            for pass in sums.pixels.chunks_exact(job.pixels.len()) {
+                pixel.merge(&pass[index]);
+            }
         }
         self.bad.extend_from_slice(&sums.bad);
-        self.next_pass[job.tile] += 1;
-    }
-}
-
-fn accumulate(job: &Job, samples: &[[f32; 3]], sums: &mut JobSums) {
-    sums.bad.clear();
-    sums.pixels.clear();
-    sums.pixels.resize(job.pixels.len(), Pixel::default());
-    for (Place { index, pixel, sample }, &radiance) in job.places(0).zip(samples) {
-        if !sums.pixels[index].add(radiance) {
-            sums.bad.push(BadSample { pixel, sample });
-        }
+        self.next_visit[job.tile] += 1;
     }
 }
 
@@ -86,14 +95,13 @@ pub(super) fn run<S: Sampler, P: Probe>(cx: &Context<'_>, settings: &Settings, c
     })?;
     let size = [cx.world.width(), cx.world.height()];
     let grid = Grid::new(size, settings.spp);
-    let (tiles, passes) = (grid.tiles(), grid.passes());
-    let jobs = tiles * passes as usize;
+    let (tiles, visits) = (grid.tiles(), grid.visits());
     let shared = Shared {
         next: AtomicUsize::new(0),
         merge: Mutex::new(Merge {
             film: Film::new(size[0], size[1]),
             bad: Vec::new(),
-            next_pass: vec![0; tiles],
+            next_visit: vec![0; tiles],
             early: BTreeMap::new(),
         }),
     };
@@ -102,29 +110,35 @@ pub(super) fn run<S: Sampler, P: Probe>(cx: &Context<'_>, settings: &Settings, c
         let mut counts = Counts::default();
         let mut wave = (settings.integrator == Integrator::Wavefront).then(|| Wave::<S>::new(cx));
         let mut reference = reference::Reference::new(cx);
-        let (mut job, mut sums) = (Job::default(), JobSums::default());
+        let (mut job, mut sums) = (Job::default(), Sums::default());
         while !control.is_stopped() {
             let number = shared.next.fetch_add(1, Ordering::Relaxed);
-            if number >= jobs {
+            let (tile, visit) = (number % tiles, (number / tiles) as u32);
+            if visit >= visits {
                 break;
             }
-            grid.job(number % tiles, (number / tiles) as u32, &mut job);
-            let before = counts.rays();
-            let samples = match &mut wave {
-                Some(wave) => wave.run(cx, &job, &mut probe, &mut counts),
-                None if settings.integrator == Integrator::Scalar => reference.run::<S, true>(cx, &job, &mut counts),
-                None => reference.run::<S, false>(cx, &job, &mut counts),
-            };
-            probe.stage(Stage::Accumulate, samples.len(), || accumulate(&job, samples, &mut sums));
-            control.advance(job.paths() as u64, counts.rays() - before);
-            shared.merge.lock().unwrap_or_else(|e| e.into_inner()).add(&mut job, &mut sums);
+            sums.clear();
+            for pass in grid.passes(visit) {
+                grid.job(tile, pass, &mut job);
+                let before = counts.rays();
+                let samples = match &mut wave {
+                    Some(wave) => wave.run(cx, &job, &mut probe, &mut counts),
+                    None if settings.integrator == Integrator::Scalar => {
+                        reference.run::<S, true>(cx, &job, &mut counts)
+                    }
+                    None => reference.run::<S, false>(cx, &job, &mut counts),
+                };
+                probe.stage(Stage::Accumulate, samples.len(), || sums.accumulate(&job, samples));
+                control.advance(job.paths() as u64, counts.rays() - before);
+            }
+            shared.merge.lock().unwrap_or_else(|e| e.into_inner()).add(visit, &mut job, &mut sums);
         }
         let wave_bytes = wave.as_ref().map_or(0, |w| w.bytes(cx.plan));
         Work { counts, stages: probe.rows(), wave_bytes }
     });
-    let Merge { film, mut bad, next_pass, .. } = shared.merge.into_inner().unwrap_or_else(|e| e.into_inner());
+    let Merge { film, mut bad, next_visit, .. } = shared.merge.into_inner().unwrap_or_else(|e| e.into_inner());
     bad.sort_unstable();
-    let partial = next_pass.iter().any(|&p| p < passes);
+    let partial = next_visit.iter().any(|&v| v < visits);
     let mut rendered = Rendered {
         film,
         counts: Counts::default(),

@@ -12,6 +12,8 @@ pub struct Grid {
 impl Grid {
     /// Samples per pixel of a job at most: their radiance stays in cache.
     const SAMPLES: u32 = 64;
+    /// Passes of a visit at most.
+    const PASSES: u32 = 4;
     /// Paths of a job, if the image allows: enough to fill a wave.
     const PATHS: u32 = 4096;
 
@@ -25,9 +27,23 @@ impl Grid {
     pub fn tiles(&self) -> usize {
         self.size[0].div_ceil(self.side) as usize * self.size[1].div_ceil(self.side) as usize
     }
-    /// How often each tile is visited.
-    pub fn passes(&self) -> u32 {
+    /// Passes over the image: each is a job per tile.
+    fn all_passes(&self) -> u32 {
         self.spp.div_ceil(Self::SAMPLES)
+    }
+    /// Passes that a worker makes over a tile before it adds them to the film: more than one where there are many, so
+    /// that the film is read less often.
+    fn passes_per_visit(&self) -> u32 {
+        (self.all_passes() / 4).clamp(1, Self::PASSES)
+    }
+    /// How often each tile is visited.
+    pub fn visits(&self) -> u32 {
+        self.all_passes().div_ceil(self.passes_per_visit())
+    }
+    /// The passes of a visit.
+    pub fn passes(&self, visit: u32) -> std::ops::Range<u32> {
+        let first = visit * self.passes_per_visit();
+        first..(first + self.passes_per_visit()).min(self.all_passes())
     }
     /// Makes `job` the one of a tile and pass; it keeps its memory.
     pub fn job(&self, tile: usize, pass: u32, job: &mut Job) {
@@ -140,10 +156,11 @@ mod tests {
     #[test]
     fn jobs_cover_all_samples_once() {
         let mut job = Job::default();
-        for spp in [1, 5, 64, 130] {
+        for spp in [1, 5, 64, 130, 600] {
             let grid = Grid::new([77, 41], spp);
             let mut seen = vec![0u32; 77 * 41];
-            for (tile, pass) in (0..grid.tiles()).flat_map(|t| (0..grid.passes()).map(move |p| (t, p))) {
+            let passes: Vec<u32> = (0..grid.visits()).flat_map(|v| grid.passes(v)).collect();
+            for (tile, &pass) in (0..grid.tiles()).flat_map(|t| passes.iter().map(move |p| (t, p))) {
                 grid.job(tile, pass, &mut job);
                 assert_eq!(job.places(0).count(), job.paths());
                 for (slot, place) in job.places(0).enumerate() {
