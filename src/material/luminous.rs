@@ -5,7 +5,4 @@
 pub struct Luminous {
     /// Emitted radiance per channel, >= 0.
     pub radiance: [f32; 3],
-    /// Density with which light sampling chooses a point on a surface of this material, per area of the world; 0 where
-    /// it never does.
-    pub pdf_area: f32,
 }

@@ -164,10 +164,6 @@ impl Materials {
         self.luminous.push(row);
         LobeId::new(Kind::Luminous as usize, self.luminous.len() - 1)
     }
-    /// The density of light sampling is known only when all lights are.
-    pub fn luminous_mut(&mut self) -> &mut [Luminous] {
-        &mut self.luminous
-    }
 }
 
 #[cfg(test)]

@@ -44,7 +44,7 @@ impl Reference {
         counts: &mut Counts,
     ) {
         let Context { world, bvh, plan, .. } = *cx;
-        let mut scale = 1.0;
+        let (mut scale, mut normal) = (1.0, Vec3::splat([0.0; 3]));
         loop {
             let ray = Ray { origin: path.origin.lane(0), direction: path.direction.lane(0), t_max: f32::INFINITY };
             let hit = if SCALAR { self.scalar.closest(bvh, &ray) } else { self.tracer.closest_as::<W>(bvh, &ray) };
@@ -58,7 +58,7 @@ impl Reference {
             let number = world.lobes[hit.triangle as usize].kind();
             let Some(&kind) = Kind::SCATTERING.get(number) else {
                 if plan.emit {
-                    self.add(path.slot, emitted_radiance(world, &path, &row));
+                    self.add(path.slot, emitted_radiance(world, &path, normal, &row));
                 }
                 return;
             };
@@ -79,7 +79,7 @@ impl Reference {
             if !out.alive {
                 return;
             }
-            (path, scale) = (out.path, out.scale);
+            (path, scale, normal) = (out.path, out.scale, out.normal);
             counts.bounce += 1;
         }
     }

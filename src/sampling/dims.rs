@@ -1,7 +1,7 @@
 //! Names each random number that a path uses.
 
-/// What random numbers are drawn for. A sampler with structure gives each decision dimensions of its own, so that the
-/// numbers of one decision are well spread against each other.
+/// What random numbers are drawn for. A sampler with structure gives each decision pairs of dimensions of its own: two
+/// numbers of a pair are well spread against each other, the first and second of a decision, then the third and fourth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {
     /// Position within the pixel: 2 numbers.
@@ -10,20 +10,23 @@ pub enum Decision {
     Scatter,
     /// Whether the path goes on: 1 number.
     Roulette,
-    /// Which light (2 numbers) and where on it (2 numbers).
+    /// Which light (1 number).
+    Pick,
+    /// Where on the light: 2 numbers.
     Light,
 }
 
 impl Decision {
-    /// (set of four dimensions at a vertex, first dimension in the set).
-    pub(super) const fn place(self) -> (u32, usize) {
+    /// Number of the decision's first pair among those of a vertex.
+    pub(super) const fn pair(self) -> u32 {
         match self {
-            Decision::Pixel => (0, 0),
-            Decision::Scatter => (1, 0),
-            Decision::Roulette => (1, 3),
-            Decision::Light => (2, 0),
+            Decision::Pixel => 0,
+            Decision::Scatter => 1,
+            Decision::Roulette => 3,
+            Decision::Pick => 4,
+            Decision::Light => 5,
         }
     }
-    /// Sets per vertex.
-    pub(super) const SETS: u32 = 3;
+    /// Pairs per vertex.
+    pub(super) const PAIRS: u32 = 6;
 }

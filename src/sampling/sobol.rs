@@ -1,50 +1,17 @@
-//! Owen-scrambled Sobol points, shuffled and padded in sets of four dimensions: Burley 2020, "Practical Hash-based Owen
-//! Scrambling", listings 1 to 5. Direction numbers: Joe and Kuo 2008.
+//! Owen-scrambled Sobol points in pairs of dimensions, padded: each decision at each vertex has a pair of its own, shuffled
+//! and scrambled by hashes (Burley 2020, "Practical Hash-based Owen Scrambling"). Each pair is a (0, 2)-sequence: of 2^m
+//! points, every cell of every power-of-two grid of 2^m cells holds one.
 
 use super::{Decision, Sampler, State};
 use crate::lanes::{Lanes, LanesU32};
 
-/// Low-discrepancy points: each pixel, vertex and decision gets a scramble of its own. Past 2^16 samples of a pixel the
-/// scramble is seeded anew, for the direction numbers hold no more structure than a 32-bit index gives.
+/// Low-discrepancy points: each pixel, vertex and decision gets a shuffle and a scramble of its own. Past 2^16 samples of
+/// a pixel they are seeded anew, so that no pattern of the hashes can show in more samples than that.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sobol;
 
 /// Samples of a pixel that share one scramble.
 const BLOCK_BITS: u32 = 16;
-
-/// Generator matrices of the first four dimensions, a column per index bit.
-const MATRICES: [[u32; 32]; 4] = [
-    directions(0, 0, [1, 0, 0]),
-    directions(1, 0, [1, 0, 0]),
-    directions(2, 1, [1, 3, 0]),
-    directions(3, 1, [1, 3, 1]),
-];
-
-/// Columns from a primitive polynomial of degree `s` with inner coefficients `a`, and initial numbers `m`. Degree 0
-/// stands for van der Corput's sequence.
-const fn directions(s: usize, a: u32, m: [u32; 3]) -> [u32; 32] {
-    let mut v = [0; 32];
-    let mut i = 0;
-    while i < 32 {
-        v[i] = if s == 0 {
-            1 << (31 - i)
-        } else if i < s {
-            m[i] << (31 - i)
-        } else {
-            let mut x = v[i - s] ^ (v[i - s] >> s);
-            let mut k = 1;
-            while k < s {
-                if (a >> (s - 1 - k)) & 1 == 1 {
-                    x ^= v[i - k];
-                }
-                k += 1;
-            }
-            x
-        };
-        i += 1;
-    }
-    v
-}
 
 #[inline(always)]
 fn constant<U: LanesU32>(value: u32) -> U {
@@ -74,27 +41,26 @@ fn reverse_bits<U: LanesU32>(x: U) -> U {
     x.shl(16).or(x.shr(16))
 }
 
-/// Owen scrambling by a hash in which each bit is changed by lower bits alone, applied to reversed bits.
+/// Owen scrambling of reversed bits, by a hash in which each bit is changed by lower bits alone (Laine and Karras 2011;
+/// the constants are Burley's).
 #[inline(always)]
-fn owen<U: LanesU32>(x: U, seed: U) -> U {
-    let x = reverse_bits(x).add(seed);
+fn owen_reversed<U: LanesU32>(x: U, seed: U) -> U {
+    let x = x.add(seed);
     let x = x.xor(x.mul(constant(0x6c50_b47c)));
     let x = x.xor(x.mul(constant(0xb82f_1e52)));
     let x = x.xor(x.mul(constant(0xc7af_e638)));
-    let x = x.xor(x.mul(constant(0x8d22_f6e6)));
-    reverse_bits(x)
+    x.xor(x.mul(constant(0x8d22_f6e6)))
 }
 
+/// Reversed bits of the second dimension of Sobol's sequence. Its matrix is Pascal's triangle modulo 2, in which row i has
+/// a one in column j where the binary digits of i are among those of j (Lucas 1878): one step per digit of the positions.
 #[inline(always)]
-fn sobol<U: LanesU32>(index: U, matrix: &[u32; 32]) -> U {
-    let one = constant::<U>(1);
-    let mut x = constant::<U>(0);
-    for (bit, &column) in matrix.iter().enumerate() {
-        let set = index.shr(bit as u32).and(one);
-        let all = set.xor(constant(u32::MAX)).add(one);
-        x = x.xor(all.and(constant(column)));
-    }
-    x
+fn second_reversed<U: LanesU32>(index: U) -> U {
+    let x = index.xor(index.shr(16));
+    let x = x.xor(x.shr(8).and(constant(0x00ff_00ff)));
+    let x = x.xor(x.shr(4).and(constant(0x0f0f_0f0f)));
+    let x = x.xor(x.shr(2).and(constant(0x3333_3333)));
+    x.xor(x.shr(1).and(constant(0x5555_5555)))
 }
 
 impl Sampler for Sobol {
@@ -104,20 +70,25 @@ impl Sampler for Sobol {
         let block = hash(sample.shr(BLOCK_BITS));
         let key = hash(hash(pixel.add(seed)).xor(seed).add(block));
         let index = sample.and(constant((1 << BLOCK_BITS) - 1));
-        [key, index, constant(0), constant(0)]
+        [key, reverse_bits(index), constant(0), constant(0)]
     }
 
     #[inline(always)]
     fn draw<L: Lanes, const N: usize>(state: &mut State<L>, decision: Decision, depth: L::Uint) -> [L; N] {
-        let (set, first) = decision.place();
-        let set = depth.mul(constant(Decision::SETS)).add(constant(set));
-        let seed = hash(state[0].xor(hash(set.add(constant(0x9e37_79b9)))));
-        let index = owen(state[1], seed);
+        let [key, reversed_index, ..] = *state;
+        let first = depth.mul(constant(Decision::PAIRS)).add(constant(decision.pair()));
         let mut numbers = [L::splat(0.0); N];
-        for (k, number) in numbers.iter_mut().enumerate() {
-            let dimension = (first + k) % 4;
-            let scramble = hash(seed.add(constant(0x632b_e59b_u32.wrapping_mul(dimension as u32 + 1))));
-            *number = L::unit_from_u32(owen(sobol(index, &MATRICES[dimension]), scramble));
+        for (k, two) in numbers.chunks_mut(2).enumerate() {
+            let pair = first.add(constant(k as u32));
+            let seed = hash(key.add(pair.mul(constant(0x9e37_79b9))));
+            let index = reverse_bits(owen_reversed(reversed_index, seed));
+            // The first dimension is the index with its bits reversed.
+            let scrambled = owen_reversed(index, hash(seed.xor(constant(0x632b_e59b))));
+            two[0] = L::unit_from_u32(reverse_bits(scrambled));
+            if let [_, second] = two {
+                let scrambled = owen_reversed(second_reversed(index), hash(seed.xor(constant(0xc657_cb36))));
+                *second = L::unit_from_u32(reverse_bits(scrambled));
+            }
         }
         numbers
     }
@@ -135,6 +106,19 @@ mod tests {
                 Sobol::draw::<f32, 3>(&mut s, decision, 2)
             })
             .collect()
+    }
+
+    /// Sobol's second dimension from its recurrence: column j of the matrix is the one before, xor itself shifted by one.
+    #[test]
+    fn the_second_dimension_is_that_of_the_direction_numbers() {
+        let mut columns = [1u32 << 31; 32];
+        for j in 1..32 {
+            columns[j] = columns[j - 1] ^ columns[j - 1] >> 1;
+        }
+        for index in (0..4096).chain((0..1000).map(|i: u32| i.wrapping_mul(0x9e37_79b9))) {
+            let expected = (0..32).filter(|j| index >> j & 1 == 1).fold(0, |x, j: usize| x ^ columns[j]);
+            assert_eq!(reverse_bits(second_reversed(index)), expected, "index {index}");
+        }
     }
 
     /// The net property: of 2^m scrambled points, each of the 2^m cells of any power-of-two grid holds exactly one.

@@ -25,6 +25,9 @@ impl Kernel for Compact<'_> {
                 if let Some(scales) = &mut q.scales {
                     scales.put(kept, bits, scales.gather::<W>(&rows));
                 }
+                if let Some(normals) = &mut q.normals {
+                    normals.put(kept, bits, normals.gather::<W>(&rows));
+                }
             }
             kept += bits.count_ones() as usize;
         }

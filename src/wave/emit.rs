@@ -4,25 +4,27 @@ use super::Samples;
 use super::queues::{HitRow, Path, Queues};
 use crate::columns::Rows;
 use crate::lanes::{Kernel, Lanes, LanesU32, MAX_LANES, Vec3, Wide};
+use crate::light::Receiver;
 use crate::material::Kind;
 use crate::sampling::power_heuristic;
 use crate::world::World;
 
 /// What a path that hit a light adds to its sample: weighted against the density with which light sampling would have
-/// chosen the point, seen from the path's last vertex.
+/// chosen the point, seen from the path's last vertex, whose normal is `normal`.
 #[inline(always)]
-pub fn emitted_radiance<L: Lanes>(world: &World, path: &Path<L>, hit: &HitRow<L>) -> Vec3<L> {
+pub fn emitted_radiance<L: Lanes>(world: &World, path: &Path<L>, normal: Vec3<L>, hit: &HitRow<L>) -> Vec3<L> {
     let ids = hit.triangle.array();
     let id = |i: usize| ids.as_ref()[i] as usize;
-    let light = |i: usize| world.materials.luminous()[world.lobes[id(i)].row()];
     let [a, b, c] = Vec3::triple(|i| &world.corners[id(i)]);
     let (e1, e2) = (b - a, c - a);
     let to_point = (a - path.origin) + e1 * hit.u + e2 * hit.v;
     let cos = e1.cross(e2).normalize().dot(path.direction).abs();
     // Per solid angle: area density times squared distance over cosine.
-    let light_pdf = L::from_fn(|i| light(i).pdf_area) * to_point.length2() / cos.max(L::splat(f32::MIN_POSITIVE));
+    let (radiance, pdf_area) =
+        world.lights.seen(|i| world.lobes[id(i)].row(), &Receiver { point: path.origin, normal });
+    let light_pdf = pdf_area * to_point.length2() / cos.max(L::splat(f32::MIN_POSITIVE));
     let weight = power_heuristic(path.prev_pdf, light_pdf);
-    path.throughput.scale(Vec3::from_fn(|i| light(i).radiance)) * weight
+    path.throughput.scale(radiance) * weight
 }
 
 /// Adds the emitted radiance to the samples of all paths that hit a light.
@@ -40,7 +42,8 @@ impl Kernel for Emit<'_> {
         for chunk in q.by_kind[Kind::Luminous as usize].rows().chunks(MAX_LANES) {
             let rows = Rows::listed(chunk);
             let path = q.paths.gather::<W>(&rows);
-            let radiance = emitted_radiance(world, &path, &q.hits.gather(&rows));
+            let normal = q.normals.as_ref().map_or(Vec3::splat([0.0; 3]), |normals| normals.normal(&rows));
+            let radiance = emitted_radiance(world, &path, normal, &q.hits.gather(&rows));
             samples.add(rows.count(), path.slot, radiance);
         }
     }

@@ -46,6 +46,8 @@ pub struct Plan {
     pub escape: bool,
     /// Whether some triangle has vertex normals.
     pub smooth: bool,
+    /// Whether a ray that hits a light needs the normal where it began: lights are chosen by it.
+    pub receivers: bool,
     /// Whether some surface transmits, so that paths carry the scale of their radiance.
     pub transmit: bool,
     /// Bounces at most.
@@ -62,14 +64,16 @@ impl Plan {
         let kinds: Vec<Kind> = Kind::SCATTERING.iter().copied().filter(|&k| used(k)).collect();
         let lit = !world.lights.is_empty();
         let connect = lit && method != Method::Path && max_depth != Some(0) && kinds.iter().any(|k| !k.is_delta());
+        let prev_pdf = match method {
+            _ if !connect => PrevPdf::Always,
+            Method::Path => PrevPdf::Always,
+            Method::Nee => PrevPdf::Never,
+            Method::Mis => PrevPdf::Density,
+        };
         Self {
             connect,
-            prev_pdf: match method {
-                _ if !connect => PrevPdf::Always,
-                Method::Path => PrevPdf::Always,
-                Method::Nee => PrevPdf::Never,
-                Method::Mis => PrevPdf::Density,
-            },
+            prev_pdf,
+            receivers: prev_pdf == PrevPdf::Density && world.lights.depend_on_receiver(),
             emit: lit,
             escape: world.background.is_some(),
             smooth: world.normals.is_some(),
@@ -120,6 +124,11 @@ impl fmt::Display for Plan {
             line(self.kinds.contains(&kind), "shade", &format!("{}: {how}", kind.name()))?;
         }
         line(self.smooth, "normals", if self.smooth { "interpolated" } else { "all surfaces are flat" })?;
+        line(
+            self.receivers,
+            "receivers",
+            if self.receivers { "normal per path, by which lights are chosen" } else { "no light is chosen by them" },
+        )?;
         line(self.transmit, "scale", if self.transmit { "radiance scale per path" } else { "nothing transmits" })?;
         line(
             self.connect,

@@ -34,6 +34,14 @@ columns! {
 }
 
 columns! {
+    /// Normal of the surface that each ray left, on its side; only where lights are chosen by it.
+    pub struct NormalQueue of Normal {
+        /// Unit normal; unspecified after the camera and delta lobes.
+        normal: V3,
+    }
+}
+
+columns! {
     /// What each ray hit.
     pub struct HitQueue of HitRow {
         /// Weight of the triangle's second corner.
@@ -98,6 +106,7 @@ impl RowList {
 pub struct Queues {
     pub(super) paths: PathQueue,
     pub(super) scales: Option<ScaleQueue>,
+    pub(super) normals: Option<NormalQueue>,
     pub(super) hits: HitQueue,
     pub(super) shadows: ShadowQueue,
     /// Rows by the kind of surface that they hit; lists of kinds that the scene lacks stay empty.
@@ -116,6 +125,7 @@ impl Queues {
         Self {
             paths: PathQueue::with_capacity(n),
             scales: plan.transmit.then(|| ScaleQueue::with_capacity(n)),
+            normals: plan.receivers.then(|| NormalQueue::with_capacity(n)),
             hits: HitQueue::with_capacity(n),
             shadows: ShadowQueue::with_capacity(if plan.connect { n } else { 0 }),
             by_kind: std::array::from_fn(|k| {
@@ -132,6 +142,9 @@ impl Queues {
         if let Some(scales) = &mut self.scales {
             scales.truncate(len);
         }
+        if let Some(normals) = &mut self.normals {
+            normals.truncate(len);
+        }
     }
 }
 
@@ -143,6 +156,7 @@ impl Plan {
         PathQueue::ROW_BYTES
             + HitQueue::ROW_BYTES
             + if self.transmit { ScaleQueue::ROW_BYTES } else { 0 }
+            + if self.receivers { NormalQueue::ROW_BYTES } else { 0 }
             + if self.connect { ShadowQueue::ROW_BYTES } else { 0 }
             + lists * size_of::<u32>()
             // Its bit among those that go on, rounded up.

@@ -1,17 +1,19 @@
 //! Scattering at surfaces of one kind: connects to a light, chooses the next ray, plays roulette.
 
 use super::plan::{Plan, PrevPdf};
-use super::queues::{HitRow, Path, Queues, Scale, Shadow};
+use super::queues::{HitRow, Normal, Path, Queues, Scale, Shadow};
 use super::surface::{Surface, off_surface};
 use crate::columns::Rows;
 use crate::lanes::{Frame, Kernel, Lanes, LanesU32, MAX_LANES, Mask, Vec3, Wide, select3};
+use crate::light::Receiver;
 use crate::material::{Evaluated, Kind, Lobe, Materials, Table};
 use crate::sampling::{Decision, Sampler, power_heuristic};
 use crate::world::World;
 use std::marker::PhantomData;
 
-/// Bounces before roulette begins.
-const ROULETTE_FROM: u32 = 2;
+/// Roulette begins where less than one part in this many is left of a path's energy. Sooner, the paths that survive weigh
+/// so much that they add more noise than the time of the others is worth (docs/decisions/roulette.md).
+const ROULETTE: f32 = 3.0;
 
 /// What became of a group of paths.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +28,8 @@ pub struct Shaded<L: Lanes> {
     pub shadow: Shadow<L>,
     /// Which of them are worth a ray.
     pub connected: L::Mask,
+    /// Unit geometric normal where the paths go on, on the side of `wo`.
+    pub normal: Vec3<L>,
 }
 
 /// Density and value of the lobe in world direction `wi`, on the path's side of the surface. Directions that an
@@ -77,8 +81,10 @@ where
         Shadow { origin: path.origin, direction: path.direction, radiance: path.throughput, slot: path.slot };
     let mut connected = L::Mask::splat(false);
     if plan.connect && !M::DELTA {
-        let u = S::draw::<L, 4>(&mut path.rng, Decision::Light, path.depth);
-        let light = world.lights.sample(u);
+        let origin = surface.spawn(L::Mask::splat(false));
+        let u = S::draw::<L, 2>(&mut path.rng, Decision::Light, path.depth);
+        let pick = || S::draw::<L, 1>(&mut path.rng, Decision::Pick, path.depth)[0];
+        let light = world.lights.sample(&Receiver { point: origin, normal: surface.ng }, pick, u);
         let way = light.point - surface.point;
         let distance2 = way.length2();
         let wi = way * (one / distance2.sqrt());
@@ -90,9 +96,8 @@ where
             PrevPdf::Never | PrevPdf::Always => one,
         };
         let radiance = path.throughput.scale(lobe.f_cos).scale(light.radiance) * (weight / pdf);
-        connected = wi.dot(surface.ng).gt(zero) & lobe.pdf.gt(zero) & radiance.max_component().gt(zero);
+        connected = wi.dot(surface.ng).gt(zero) & lobe.pdf.gt(zero) & radiance.max_component().gt(zero) & pdf.gt(zero);
         let toward = select3(cos_light.gt(zero), -light.normal, light.normal);
-        let origin = surface.spawn(L::Mask::splat(false));
         // The way itself is rounded too, by its own length.
         let end = off_surface(light.point, light.reach + distance2.sqrt(), toward);
         shadow = Shadow { origin, direction: end - origin, radiance, slot: path.slot };
@@ -125,15 +130,14 @@ where
     let [coin] = S::draw::<L, 1>(&mut path.rng, Decision::Roulette, path.depth);
     let energy = path.throughput.max_component() / scale;
     path.depth = path.depth.add(L::Uint::splat(1));
-    let plays = L::from_u24(path.depth).gt(L::splat(ROULETTE_FROM as f32));
-    let chance = L::select(plays, energy.min(one), one);
+    let chance = (energy * L::splat(ROULETTE)).min(one);
     let alive = coin.lt(chance) & energy.gt(zero);
     path.throughput = path.throughput * (one / chance.max(L::splat(f32::MIN_POSITIVE)));
 
     path.origin =
         if M::TRANSMITS { surface.spawn(scattered.transmitted) } else { surface.spawn(L::Mask::splat(false)) };
     path.direction = wi;
-    Shaded { path, scale, alive, shadow, connected }
+    Shaded { path, scale, alive, shadow, connected, normal: surface.ng }
 }
 
 /// One bounce of all paths that hit a surface of kind `M`: those listed, or all that are left where there is no other.
@@ -164,6 +168,9 @@ where
                 if let Some(scales) = &mut q.scales {
                     scales.put(kept, bits, Scale { scale: out.scale });
                 }
+                if let Some(normals) = &mut q.normals {
+                    normals.put(kept, bits, Normal { normal: out.normal });
+                }
                 kept += bits.count_ones() as usize;
             }
             q.truncate(kept);
@@ -178,6 +185,11 @@ where
                 && let Some(scales) = &mut q.scales
             {
                 scales.scatter(&rows, Scale { scale: out.scale });
+            }
+            if !M::DELTA
+                && let Some(normals) = &mut q.normals
+            {
+                normals.scatter(&rows, Normal { normal: out.normal });
             }
             let mut ended = !out.alive.bits() & rows.live();
             while ended != 0 {

@@ -4,7 +4,7 @@ use super::{MaterialInput, Mesh, Object, Size, World, WorldBuilder};
 use crate::camera::View;
 use crate::error::{Error, Result};
 use crate::ids::LobeId;
-use crate::light::{Emitter, Lights};
+use crate::light::{LightTriangle, Lights};
 use crate::linear::{DMat3, DVec3, Vec3};
 use crate::material::{Diffuse, Kind, Luminous, Materials, Matt, Specular, Table, Transparent};
 use crate::material::{DiffuseRow, MattRow, SpecularRow, TransparentRow};
@@ -74,7 +74,7 @@ fn add_material(materials: &mut Materials, m: &MaterialInput) -> Option<LobeId> 
         MaterialInput::Transparent { color, ref_index } => {
             Table::<Transparent>::add(materials, TransparentRow { color, ref_index })
         }
-        MaterialInput::Luminous { radiance } => materials.add_luminous(Luminous { radiance, pdf_area: 0.0 }),
+        MaterialInput::Luminous { radiance } => materials.add_luminous(Luminous { radiance }),
     }
 }
 
@@ -116,7 +116,7 @@ pub(super) fn freeze(b: WorldBuilder) -> Result<World> {
     let smooth = b.objects.iter().any(|o| !b.meshes[o.mesh].triangle_normals.is_empty());
     let (mut corners, mut lobes) = (Vec::with_capacity(faces), Vec::with_capacity(faces));
     let mut normals = smooth.then(|| Vec::with_capacity(faces));
-    let (mut emitters, mut dropped) = (Vec::new(), 0);
+    let (mut light_triangles, mut dropped) = (Vec::new(), 0);
     for (o, place) in b.objects.iter().zip(&places) {
         let (mesh, lobe) = (&b.meshes[o.mesh], lobes_of[o.material]);
         let points: Vec<Vec3> = mesh.positions.iter().map(|&p| ((place.point(p) - centre) * scale).as_vec3()).collect();
@@ -132,25 +132,20 @@ pub(super) fn freeze(b: WorldBuilder) -> Result<World> {
             if let Some(normals) = &mut normals {
                 normals.push(corner_normals(mesh, k, place.rotation, flat));
             }
+            let mut lobe = lobe;
             if lobe.kind() == Kind::Luminous as usize {
                 let radiance = materials.luminous()[lobe.row()].radiance;
-                if radiance.iter().any(|&r| r > 0.0) {
-                    let area = 0.5 * length2.sqrt();
-                    emitters.push(Emitter {
-                        corners: p.map(|p| p.to_array()),
-                        normal: flat.to_array(),
-                        area,
-                        radiance,
-                    });
-                }
+                let row = LobeId::new(Kind::Luminous as usize, light_triangles.len());
+                lobe = row.ok_or_else(|| too_many("luminous triangles", 1 << 28))?;
+                light_triangles.push(LightTriangle {
+                    corners: p.map(|p| p.to_array()),
+                    normal: flat.to_array(),
+                    radiance,
+                });
             }
             corners.push(p.map(|p| p.to_array()));
             lobes.push(lobe);
         }
-    }
-    let lights = Lights::new(emitters);
-    for luminous in materials.luminous_mut() {
-        luminous.pdf_area = lights.pdf_area(luminous.radiance);
     }
     Ok(World {
         view: View::new(&b.camera, centre, scale),
@@ -158,7 +153,7 @@ pub(super) fn freeze(b: WorldBuilder) -> Result<World> {
         lobes,
         normals,
         materials,
-        lights,
+        lights: Lights::new(&light_triangles),
         background: b.background.iter().any(|&c| c > 0.0).then_some(b.background),
         dropped,
         centre,
@@ -215,13 +210,6 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn density_of_lights_integrates_to_one() {
-        let w = place(Size::Scale(3.0), DVec3::ZERO, DVec3::ZERO).unwrap();
-        let area: f64 = w.lights.emitters().iter().map(|e| f64::from(e.area)).sum();
-        assert!((area * f64::from(w.materials.luminous()[0].pdf_area) - 1.0).abs() < 1e-6);
     }
 
     #[test]

@@ -83,7 +83,7 @@ pub struct World {
     pub(crate) view: View,
     /// Component of every triangle: its corners.
     pub(crate) corners: Vec<[[f32; 3]; 3]>,
-    /// Component of every triangle: what its surface does.
+    /// Component of every triangle: what its surface does. Luminous triangles have rows of their own, in their order.
     pub(crate) lobes: Vec<LobeId>,
     /// Unit normals at the corners; absent unless some mesh has vertex normals.
     pub(crate) normals: Option<Vec<[[f32; 3]; 3]>>,
@@ -111,7 +111,7 @@ impl World {
     }
     /// Number of luminous triangles.
     pub fn lights(&self) -> usize {
-        self.lights.len()
+        self.lights.triangles()
     }
     /// Number of degenerate triangles that were dropped.
     pub fn dropped(&self) -> usize {
