@@ -11,7 +11,9 @@ use crate::sampling::{Decision, Sampler, power_heuristic};
 use crate::world::World;
 use std::marker::PhantomData;
 
-/// Roulette begins where less than one part in this many is left of a path's energy. Sooner, the paths that survive weigh
+/// Bounces before roulette begins: what a dark mirror shows is not left to chance.
+const ROULETTE_FROM: u32 = 2;
+/// It plays where less than one part in this many is left of a path's energy. Sooner, the paths that survive weigh
 /// so much that they add more noise than the time of the others is worth (docs/decisions/roulette.md).
 const ROULETTE: f32 = 3.0;
 
@@ -130,7 +132,8 @@ where
     let [coin] = S::draw::<L, 1>(&mut path.rng, Decision::Roulette, path.depth);
     let energy = path.throughput.max_component() / scale;
     path.depth = path.depth.add(L::Uint::splat(1));
-    let chance = (energy * L::splat(ROULETTE)).min(one);
+    let plays = L::from_u24(path.depth).gt(L::splat(ROULETTE_FROM as f32));
+    let chance = L::select(plays, (energy * L::splat(ROULETTE)).min(one), one);
     let alive = coin.lt(chance) & energy.gt(zero);
     path.throughput = path.throughput * (one / chance.max(L::splat(f32::MIN_POSITIVE)));
 
