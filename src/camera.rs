@@ -79,6 +79,35 @@ impl View {
         let d = Vec3::splat(self.right).mul_add(sx, Vec3::splat(self.up).mul_add(sy, Vec3::splat(self.forward)));
         (Vec3::splat(self.origin), d.normalize())
     }
+    /// Where the rays start.
+    pub fn origin(&self) -> [f32; 3] {
+        self.origin
+    }
+    /// One over the solid angle of a pixel seen in a unit direction from the camera: 1 / (its area at distance 1 along the
+    /// axis, times the cubed cosine with the axis).
+    #[inline(always)]
+    pub fn pixel_density<L: Lanes>(&self, direction: Vec3<L>) -> L {
+        let length = |v: [f32; 3]| v.iter().map(|c| f64::from(*c).powi(2)).sum::<f64>().sqrt();
+        let area = 4.0 * length(self.right) * length(self.up) / (f64::from(self.size[0]) * f64::from(self.size[1]));
+        let cos = direction.dot(Vec3::splat(self.forward)).max(L::splat(f32::MIN_POSITIVE));
+        L::splat((1.0 / area) as f32) / (cos * cos * cos)
+    }
+    /// Pixel across and down through which a direction from the camera passes, and whether there is one.
+    #[inline(always)]
+    pub fn pixel<L: Lanes>(&self, direction: Vec3<L>) -> ([L; 2], L::Mask) {
+        let one = L::splat(1.0);
+        let depth = direction.dot(Vec3::splat(self.forward));
+        let inverse = one / depth.max(L::splat(f32::MIN_POSITIVE));
+        // `right` and `up` are as long as half the image is wide and high at distance 1.
+        let across = |axis: [f32; 3]| {
+            let length2: f32 = axis.iter().map(|c| c * c).sum();
+            direction.dot(Vec3::splat(axis)) * inverse * L::splat(1.0 / length2)
+        };
+        let x = (across(self.right) + one) * L::splat(0.5 * self.size[0] as f32);
+        let y = (one - across(self.up)) * L::splat(0.5 * self.size[1] as f32);
+        let inside = |v: L, size: u32| L::splat(0.0).le(v) & v.lt(L::splat(size as f32));
+        ([x, y], inside(x, self.size[0]) & inside(y, self.size[1]) & depth.gt(L::splat(0.0)))
+    }
 }
 
 #[cfg(test)]
@@ -110,6 +139,25 @@ mod tests {
         let tall = 30f64.to_radians().tan();
         near(v.ray(0.0f32, 0.0).1, [-1.0, 1.0, tall]);
         near(v.ray(200.0f32, 100.0).1, [1.0, 1.0, -tall]);
+    }
+
+    #[test]
+    fn directions_lead_back_to_their_pixels() {
+        let v = view(DVec3::new(0.3, 5.0, -0.7));
+        for (x, y) in [(0.5, 0.5), (199.5, 99.5), (100.0, 3.25), (17.75, 60.5)] {
+            let direction = v.ray(x, y).1;
+            let ([px, py], inside) = v.pixel(direction * 3.0);
+            assert!(inside && (px - x).abs() < 1e-3 && (py - y).abs() < 1e-3, "({x}, {y}): ({px}, {py})");
+            // The solid angle of a small square about the point, by its corners.
+            let h = 0.05;
+            let [a, b, c] = [(x - h, y - h), (x + h, y - h), (x - h, y + h)].map(|(x, y)| v.ray(x, y).1);
+            let solid = f64::from((b - a).cross(c - a).length2()).sqrt() / f64::from(4.0 * h * h);
+            let density = f64::from(v.pixel_density(direction));
+            assert!((solid * density - 1.0).abs() < 1e-2, "({x}, {y}): {solid} and {density}");
+        }
+        for outside in [v.ray(-1.0, 50.0).1, v.ray(100.0, 101.0).1, -v.ray(100.0, 50.0).1] {
+            assert!(!v.pixel(outside).1);
+        }
     }
 
     #[test]

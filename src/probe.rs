@@ -24,11 +24,17 @@ pub enum Stage {
     Compact,
     /// Samples into pixels.
     Accumulate,
+    /// Light paths leave the lamps.
+    Start,
+    /// Light paths at surfaces, connections to the camera.
+    Scatter,
+    /// Connections to the camera.
+    Expose,
 }
 
 impl Stage {
     /// All stages, in order.
-    pub const ALL: [Stage; 9] = [
+    pub const ALL: [Stage; 12] = [
         Stage::Generate,
         Stage::Intersect,
         Stage::Route,
@@ -38,6 +44,9 @@ impl Stage {
         Stage::Connect,
         Stage::Compact,
         Stage::Accumulate,
+        Stage::Start,
+        Stage::Scatter,
+        Stage::Expose,
     ];
     /// Lower-case name, as in `--stats`.
     pub fn name(self) -> &'static str {
@@ -51,6 +60,9 @@ impl Stage {
             Stage::Connect => "connect",
             Stage::Compact => "compact",
             Stage::Accumulate => "accumulate",
+            Stage::Start => "start",
+            Stage::Scatter => "scatter",
+            Stage::Expose => "expose",
         }
     }
 }

@@ -11,7 +11,7 @@ use wavetrace::bench::{Kernel, Options, SetKind, View};
 use wavetrace::camera::Camera;
 use wavetrace::lanes;
 use wavetrace::output::Tone;
-use wavetrace::render::{DEFAULT_WAVE, MAX_THREADS, MAX_WAVE, Settings};
+use wavetrace::render::{DEFAULT_LIGHT_PATHS, DEFAULT_WAVE, MAX_LIGHT_PATHS, MAX_THREADS, MAX_WAVE, Settings};
 
 static VERSION: LazyLock<String> = LazyLock::new(|| format!("{} (SIMD: {})", env!("CARGO_PKG_VERSION"), lanes::simd()));
 
@@ -208,6 +208,12 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = "Light transport")]
     pub max_depth: Option<u32>,
 
+    /// Light paths per camera path, which find light that mirrors and glass focus; only with `--method mis`, and only
+    /// where the scene has both such surfaces and others. 0: none
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_LIGHT_PATHS, allow_negative_numbers = true,
+        value_parser = light_paths, help_heading = "Light transport")]
+    pub light_paths: f32,
+
     /// Threads [default: all cores]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=MAX_THREADS as i64),
         allow_negative_numbers = true, help_heading = "Machine")]
@@ -252,6 +258,7 @@ impl RenderArgs {
             method: self.method.into(),
             sampler: self.sampler.into(),
             wave_size: self.wave as usize,
+            light_paths: self.light_paths,
             integrator: self.integrator.into(),
             time_stages: self.stats.is_some(),
         }
@@ -275,6 +282,13 @@ fn size(text: &str) -> Result<(u32, u32), String> {
     match (u32::try_from(width), u32::try_from(height)) {
         (Ok(w), Ok(h)) if fits(width) && fits(height) && width * height <= pixels => Ok((w, h)),
         _ => Err(format!("expected 1 to {side} pixels each way and at most {pixels} in all")),
+    }
+}
+
+fn light_paths(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(share) if (0.0..=MAX_LIGHT_PATHS).contains(&share) => Ok(share),
+        _ => Err(format!("expected a number from 0 to {MAX_LIGHT_PATHS}")),
     }
 }
 
@@ -330,6 +344,8 @@ mod tests {
             "sobol",
             "--wave",
             "64",
+            "--light-paths",
+            "0.5",
             "--integrator",
             "reference",
             "--stats",
@@ -347,6 +363,7 @@ mod tests {
             method: wavetrace::wave::Method::Nee,
             sampler: wavetrace::render::SamplerKind::Sobol,
             wave_size: 64,
+            light_paths: 0.5,
             integrator: wavetrace::render::Integrator::Reference,
             time_stages: true,
         };

@@ -62,17 +62,23 @@ impl Pixel {
 }
 
 /// An image in the making.
+///
+/// What light paths bring lies beside the samples of the pixels: its sums are over light paths, which are common to all.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     width: u32,
     height: u32,
     pixels: Vec<Pixel>,
+    /// Sums over light paths, with their number; no pixels where there are none.
+    splats: Vec<Pixel>,
+    light_paths: u64,
 }
 
 impl Film {
     /// A film without samples.
     pub fn new(width: u32, height: u32) -> Self {
-        Self { width, height, pixels: vec![Pixel::default(); width as usize * height as usize] }
+        let pixels = vec![Pixel::default(); width as usize * height as usize];
+        Self { width, height, pixels, splats: Vec::new(), light_paths: 0 }
     }
     /// Pixels across.
     pub fn width(&self) -> u32 {
@@ -90,14 +96,39 @@ impl Film {
     pub fn pixel_mut(&mut self, [x, y]: [u32; 2]) -> &mut Pixel {
         &mut self.pixels[y as usize * self.width as usize + x as usize]
     }
-    /// The means as an image in linear RGB.
+    /// Adds what one light path brought to a pixel; false if it is not finite, and then nothing is added.
+    pub fn splat(&mut self, [x, y]: [u32; 2], radiance: [f32; 3]) -> bool {
+        if self.splats.is_empty() {
+            self.splats.resize(self.pixels.len(), Pixel::default());
+        }
+        self.splats[y as usize * self.width as usize + x as usize].add(radiance)
+    }
+    /// Counts light paths, whatever they brought.
+    pub fn count_light_paths(&mut self, count: u64) {
+        self.light_paths += count;
+    }
+    /// Estimate of a pixel, by its index: the mean of its samples and what light paths add.
+    pub fn mean(&self, pixel: usize) -> [f64; 3] {
+        let mean = self.pixels[pixel].mean();
+        let Some(light) = self.splats.get(pixel).filter(|_| self.light_paths > 0) else { return mean };
+        std::array::from_fn(|k| mean[k] + light.sum[k] / self.light_paths as f64)
+    }
+    /// Variance of [`Self::mean`], from the spread of the samples and of what light paths brought; infinite below two
+    /// samples. Of independent samples only.
+    pub fn variance(&self, pixel: usize) -> [f64; 3] {
+        let variance = self.pixels[pixel].variance_of_mean();
+        let Some(light) = self.splats.get(pixel).filter(|_| self.light_paths > 1) else { return variance };
+        let all = Pixel { count: self.light_paths, ..*light }.variance_of_mean();
+        std::array::from_fn(|k| variance[k] + all[k])
+    }
+    /// The estimates as an image in linear RGB.
     pub fn image(&self) -> Image {
-        let pixels = self.pixels.iter().map(|p| p.mean().map(|c| c as f32)).collect();
+        let pixels = (0..self.pixels.len()).map(|i| self.mean(i).map(|c| c as f32)).collect();
         Image { width: self.width, height: self.height, pixels }
     }
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.pixels.len() * size_of::<Pixel>()
+        (self.pixels.len() + self.splats.len()) * size_of::<Pixel>()
     }
 }
 

@@ -1,16 +1,21 @@
 //! Lights: luminous triangles as two-sided emitters, chosen by their importance at the point that they light, and sampled
 //! by area.
 
+mod emission;
 mod emitter;
 mod few;
 mod importance;
+mod targets;
 mod tree;
 
+pub use emission::Emitted;
 pub use emitter::{Emitter, LightTriangle, Shape};
 pub use importance::Receiver;
+pub use targets::{Ball, Targets};
 
 use crate::lanes::{Lanes, LanesU32, MAX_LANES, Vec3, largest_coordinate};
 use crate::sampling::warp;
+use emission::ByPower;
 use few::Few;
 use importance::Bounds;
 use tree::Tree;
@@ -67,6 +72,9 @@ pub struct Lights {
     /// Per luminous triangle, black ones included.
     seen: Vec<Seen>,
     choice: Choice,
+    by_power: ByPower,
+    /// Per emitter, the density per area with which light paths start on it.
+    starts: Vec<f32>,
 }
 
 impl Lights {
@@ -91,7 +99,10 @@ impl Lights {
             _ => Choice::Many(Tree::new(&bounds)),
         };
         let rows = emitters.iter().map(Self::row).collect();
-        Self { emitters, rows, seen, choice }
+        let powers: Vec<f64> = emitters.iter().map(Emitter::power).collect();
+        let by_power = ByPower::new(&powers);
+        let starts = emitters.iter().map(|e| (luminance(e.radiance) * by_power.inverse) as f32).collect();
+        Self { emitters, rows, seen, choice, by_power, starts }
     }
     fn row(e: &Emitter) -> [[f32; 8]; 2] {
         let ([ax, ay, az], [[ex, ey, ez], [fx, fy, fz]]) = (e.corner, e.edges);
@@ -140,6 +151,11 @@ impl Lights {
             Choice::Few(few) => few.pick(from, pick()),
             Choice::Many(tree) => tree.pick(from, pick()),
         };
+        self.point_on(number, chance, u)
+    }
+    /// Points of the given emitters, which were chosen with probability `chance`.
+    #[inline(always)]
+    fn point_on<L: Lanes>(&self, number: L::Uint, chance: L, u: [L; 2]) -> LightPoint<L> {
         let numbers = number.array();
         let mut chosen = [0; MAX_LANES];
         chosen[..L::N].copy_from_slice(numbers.as_ref());

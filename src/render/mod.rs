@@ -52,6 +52,8 @@ pub struct Settings {
     pub sampler: SamplerKind,
     /// Paths in flight per worker, at least 1.
     pub wave_size: usize,
+    /// Light paths per camera path, where mirrors or glass can focus light; 0 for none, at most [`MAX_LIGHT_PATHS`].
+    pub light_paths: f32,
     /// Which integrator runs.
     pub integrator: Integrator,
     /// Whether the stages are timed.
@@ -68,6 +70,7 @@ impl Default for Settings {
             method: Method::Mis,
             sampler: SamplerKind::Xoshiro,
             wave_size: DEFAULT_WAVE,
+            light_paths: DEFAULT_LIGHT_PATHS,
             integrator: Integrator::Wavefront,
             time_stages: false,
         }
@@ -78,6 +81,10 @@ impl Default for Settings {
 pub const DEFAULT_WAVE: usize = 2048;
 /// Paths in flight per worker at most.
 pub const MAX_WAVE: usize = 1 << 22;
+/// Light paths per camera path unless set, where the scene needs any.
+pub const DEFAULT_LIGHT_PATHS: f32 = 0.25;
+/// Light paths per camera path at most.
+pub const MAX_LIGHT_PATHS: f32 = 1000.0;
 /// Threads at most.
 pub const MAX_THREADS: usize = 1024;
 
@@ -94,6 +101,11 @@ impl Settings {
             Self { threads, .. } if *threads > MAX_THREADS => {
                 wrong("--threads", *threads, format!("at most {MAX_THREADS}"))
             }
+            Self { light_paths, .. } if !(0.0..=MAX_LIGHT_PATHS).contains(light_paths) => Err(Error::Setting {
+                setting: "--light-paths",
+                found: light_paths.to_string(),
+                expected: format!("0 to {MAX_LIGHT_PATHS}"),
+            }),
             _ => Ok(()),
         }
     }
@@ -190,7 +202,7 @@ impl Renderer {
     /// [`Error::Setting`] if a setting is out of its range.
     pub fn plan(&self, settings: &Settings) -> Result<Plan> {
         settings.check()?;
-        Ok(Plan::new(&self.world, settings.method, settings.max_depth, settings.wave_size))
+        Ok(Plan::new(&self.world, settings.method, settings.max_depth, settings.wave_size, settings.light_paths))
     }
     /// Renders. The image depends on the settings' seed, not on threads or wave size, to the bit.
     ///

@@ -6,8 +6,8 @@ use crate::lanes::{Kernel, Vec3, Wide, dispatch};
 use crate::material::{Kind, for_kind};
 use crate::sampling::Sampler;
 use crate::wave::{
-    Context, Counts, HitRow, Job, Path, Samples, Shaded, background_radiance, camera_paths, emitted_radiance,
-    shade_rows, shadow_rays,
+    Context, Counts, HitRow, Job, Path, Reversed, Samples, Shaded, Splat, Splats, background_radiance, camera_paths,
+    emitted_radiance, light_paths, scatter_rows, shade_rows, shadow_rays,
 };
 use std::marker::PhantomData;
 
@@ -17,11 +17,17 @@ pub(super) struct Reference {
     tracer: Single,
     scalar: Scalar,
     samples: Samples,
+    splats: Splats,
 }
 
 impl Reference {
     pub fn new(cx: &Context<'_>) -> Self {
-        Self { tracer: Single::new(cx.bvh), scalar: Scalar::new(cx.bvh), samples: Samples::default() }
+        Self {
+            tracer: Single::new(cx.bvh),
+            scalar: Scalar::new(cx.bvh),
+            samples: Samples::default(),
+            splats: Splats::default(),
+        }
     }
 
     /// Traces all samples of a job, and returns their radiance by slot; with one box and triangle at a time if `SCALAR`.
@@ -44,7 +50,7 @@ impl Reference {
         counts: &mut Counts,
     ) {
         let Context { world, bvh, plan, .. } = *cx;
-        let (mut scale, mut normal) = (1.0, Vec3::splat([0.0; 3]));
+        let (mut scale, mut first, mut normal) = (1.0, f32::INFINITY, Vec3::splat([0.0; 3]));
         loop {
             let ray = Ray { origin: path.origin.lane(0), direction: path.direction.lane(0), t_max: f32::INFINITY };
             let hit = if SCALAR { self.scalar.closest(bvh, &ray) } else { self.tracer.closest_as::<W>(bvh, &ray) };
@@ -58,7 +64,7 @@ impl Reference {
             let number = world.lobes[hit.triangle as usize].kind();
             let Some(&kind) = Kind::SCATTERING.get(number) else {
                 if plan.emit {
-                    self.add(path.slot, emitted_radiance(world, &path, normal, &row));
+                    self.add(path.slot, emitted_radiance(world, plan, &path, normal, first, &row));
                 }
                 return;
             };
@@ -67,7 +73,7 @@ impl Reference {
                 return;
             }
             let mut out: Option<Shaded<f32>> = None;
-            for_kind!(kind, M => out = Some(shade_rows::<M, S, f32>(world, plan, path, scale, &row)));
+            for_kind!(kind, M => out = Some(shade_rows::<M, S, f32>(world, plan, path, scale, first, &row)));
             let Some(out) = out else { return };
             if out.connected {
                 counts.shadow += 1;
@@ -79,9 +85,41 @@ impl Reference {
             if !out.alive {
                 return;
             }
-            (path, scale, normal) = (out.path, out.scale, out.normal);
+            (path, scale, first, normal) = (out.path, out.scale, out.first, out.normal);
             counts.bounce += 1;
         }
+    }
+
+    /// Traces the light paths from number `first` on, `count` of them, and returns what they bring to pixels.
+    pub fn light<S: Sampler>(&mut self, cx: &Context<'_>, first: u64, count: usize, counts: &mut Counts) -> &[Splat] {
+        self.splats.clear();
+        let Context { world, bvh, plan, seed } = *cx;
+        for slot in 0..count {
+            let (mut path, scale) = light_paths::<S, f32>(world, seed, first, slot, slot);
+            loop {
+                counts.light += 1;
+                let ray = Ray { origin: path.origin.lane(0), direction: path.direction.lane(0), t_max: f32::INFINITY };
+                let hit = self.tracer.closest(bvh, &ray);
+                let kind = world.lobes.get(hit.triangle as usize).and_then(|lobe| Kind::SCATTERING.get(lobe.kind()));
+                let Some(&kind) = kind.filter(|_| path.depth < plan.max_depth) else { break };
+                let row = HitRow::<f32> { u: hit.u, v: hit.v, triangle: hit.triangle };
+                let mut out: Option<Reversed<f32>> = None;
+                for_kind!(kind, M => out = Some(scatter_rows::<M, S, f32>(world, plan, path, scale, &row)));
+                let Some(out) = out else { break };
+                if out.connected {
+                    counts.shadow += 1;
+                    let ray = shadow_rays(out.connection.origin, out.connection.direction).into();
+                    if !self.tracer.any(bvh, &ray) {
+                        self.splats.add(&out.connection);
+                    }
+                }
+                if !out.alive {
+                    break;
+                }
+                path = out.path;
+            }
+        }
+        self.splats.sorted()
     }
 
     fn add(&mut self, slot: u32, radiance: Vec3<f32>) {

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::film::{BadSample, Film, Pixel};
 use crate::probe::{Probe, Stage, StageRow};
 use crate::sampling::Sampler;
-use crate::wave::{Context, Counts, Grid, Job, Place, Wave};
+use crate::wave::{Context, Counts, Grid, Job, LIGHT_JOB, LightWave, Place, Splat, Wave};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -46,12 +46,14 @@ struct Shared {
     merge: Mutex<Merge>,
 }
 
-/// The film, and what has come out of order: by tile and visit.
+/// The film, and what has come out of order: by tile and visit, or by number of the job of light paths.
 struct Merge {
     film: Film,
     bad: Vec<BadSample>,
     next_visit: Vec<u32>,
     early: BTreeMap<(usize, u32), (Job, Sums)>,
+    next_light: usize,
+    early_light: BTreeMap<usize, Vec<Splat>>,
 }
 
 impl Merge {
@@ -77,6 +79,65 @@ impl Merge {
         self.bad.extend_from_slice(&sums.bad);
         self.next_visit[job.tile] += 1;
     }
+    /// Adds what a job of light paths brought, or keeps it until it is its turn.
+    fn add_light(&mut self, work: &Order, number: usize, splats: &[Splat]) {
+        if number != self.next_light {
+            self.early_light.insert(number, splats.to_vec());
+            return;
+        }
+        self.merge_light(work, splats);
+        while let Some(splats) = self.early_light.remove(&self.next_light) {
+            self.merge_light(work, &splats);
+        }
+    }
+    fn merge_light(&mut self, work: &Order, splats: &[Splat]) {
+        for splat in splats {
+            if !self.film.splat(splat.pixel, splat.radiance) {
+                self.bad.push(BadSample { pixel: splat.pixel, sample: u32::MAX });
+            }
+        }
+        self.film.count_light_paths(work.light_paths(self.next_light).1 as u64);
+        self.next_light += 1;
+    }
+}
+
+/// All that there is to do, in order: visits of tiles, and between them jobs of light paths, evenly.
+struct Order {
+    tiles: usize,
+    visits: usize,
+    /// Light paths in all.
+    lights: u64,
+}
+
+/// A piece of it.
+enum Piece {
+    Visit { tile: usize, visit: u32 },
+    Light { number: usize },
+}
+
+impl Order {
+    fn light_jobs(&self) -> usize {
+        self.lights.div_ceil(LIGHT_JOB) as usize
+    }
+    /// First light path and number of them in a job.
+    fn light_paths(&self, job: usize) -> (u64, usize) {
+        let first = job as u64 * LIGHT_JOB;
+        (first, (self.lights - first).min(LIGHT_JOB) as usize)
+    }
+    fn piece(&self, number: usize) -> Option<Piece> {
+        let (visits, lights) = (self.tiles * self.visits, self.light_jobs());
+        let before = |n: usize| (n as u128 * lights as u128 / (visits + lights) as u128) as usize;
+        if number >= visits + lights {
+            return None;
+        }
+        let light = before(number);
+        Some(if before(number + 1) > light {
+            Piece::Light { number: light }
+        } else {
+            let number = number - light;
+            Piece::Visit { tile: number % self.tiles, visit: (number / self.tiles) as u32 }
+        })
+    }
 }
 
 /// What a worker brings home.
@@ -95,28 +156,44 @@ pub(super) fn run<S: Sampler, P: Probe>(cx: &Context<'_>, settings: &Settings, c
     })?;
     let size = [cx.world.width(), cx.world.height()];
     let grid = Grid::new(size, settings.spp);
-    let (tiles, visits) = (grid.tiles(), grid.visits());
+    let lights = (f64::from(cx.plan.light_paths) * f64::from(settings.spp)).round() as u64;
+    let order = Order { tiles: grid.tiles(), visits: grid.visits() as usize, lights };
     let shared = Shared {
         next: AtomicUsize::new(0),
         merge: Mutex::new(Merge {
             film: Film::new(size[0], size[1]),
             bad: Vec::new(),
-            next_visit: vec![0; tiles],
+            next_visit: vec![0; order.tiles],
             early: BTreeMap::new(),
+            next_light: 0,
+            early_light: BTreeMap::new(),
         }),
     };
     let work = pool.broadcast(|_| {
         let mut probe = P::default();
         let mut counts = Counts::default();
         let mut wave = (settings.integrator == Integrator::Wavefront).then(|| Wave::<S>::new(cx));
+        let mut light = (wave.is_some() && cx.plan.caustics()).then(|| LightWave::<S>::new(cx));
         let mut reference = reference::Reference::new(cx);
         let (mut job, mut sums) = (Job::default(), Sums::default());
         while !control.is_stopped() {
             let number = shared.next.fetch_add(1, Ordering::Relaxed);
-            let (tile, visit) = (number % tiles, (number / tiles) as u32);
-            if visit >= visits {
-                break;
-            }
+            let (tile, visit) = match order.piece(number) {
+                None => break,
+                Some(Piece::Visit { tile, visit }) => (tile, visit),
+                Some(Piece::Light { number }) => {
+                    let (first, count) = order.light_paths(number);
+                    let before = counts.rays();
+                    let splats = match &mut light {
+                        Some(light) => light.run(cx, first, count, &mut probe, &mut counts),
+                        None => reference.light::<S>(cx, first, count, &mut counts),
+                    };
+                    control.advance(0, counts.rays() - before);
+                    let mut merge = shared.merge.lock().unwrap_or_else(|e| e.into_inner());
+                    merge.add_light(&order, number, splats);
+                    continue;
+                }
+            };
             sums.clear();
             for pass in grid.passes(visit) {
                 grid.job(tile, pass, &mut job);
@@ -133,12 +210,13 @@ pub(super) fn run<S: Sampler, P: Probe>(cx: &Context<'_>, settings: &Settings, c
             }
             shared.merge.lock().unwrap_or_else(|e| e.into_inner()).add(visit, &mut job, &mut sums);
         }
-        let wave_bytes = wave.as_ref().map_or(0, |w| w.bytes(cx.plan));
+        let wave_bytes = wave.as_ref().map_or(0, |w| w.bytes(cx.plan)) + light.as_ref().map_or(0, |w| w.bytes());
         Work { counts, stages: probe.rows(), wave_bytes }
     });
-    let Merge { film, mut bad, next_visit, .. } = shared.merge.into_inner().unwrap_or_else(|e| e.into_inner());
+    let Merge { film, mut bad, next_visit, next_light, .. } =
+        shared.merge.into_inner().unwrap_or_else(|e| e.into_inner());
     bad.sort_unstable();
-    let partial = next_visit.iter().any(|&v| v < visits);
+    let partial = next_light < order.light_jobs() || next_visit.iter().any(|&v| (v as usize) < order.visits);
     let mut rendered = Rendered {
         film,
         counts: Counts::default(),

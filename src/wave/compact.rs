@@ -28,6 +28,9 @@ impl Kernel for Compact<'_> {
                 if let Some(normals) = &mut q.normals {
                     normals.put(kept, bits, normals.gather::<W>(&rows));
                 }
+                if let Some(firsts) = &mut q.firsts {
+                    firsts.put(kept, bits, firsts.gather::<W>(&rows));
+                }
             }
             kept += bits.count_ones() as usize;
         }

@@ -1,7 +1,7 @@
 //! Camera rays into the free rows of a wave.
 
 use super::job::{Job, Place};
-use super::queues::{Normal, Path, Queues, Scale};
+use super::queues::{First, Normal, Path, Queues, Scale};
 use crate::camera::View;
 use crate::columns::Rows;
 use crate::lanes::{Kernel, Lanes, LanesU32, MAX_LANES, Vec3, Wide};
@@ -64,6 +64,9 @@ impl<S: Sampler> Kernel for Generate<'_, S> {
             q.paths.append(live, camera_paths::<S, W>(view, seed, job, next + made, next + count - 1));
             if let Some(scales) = &mut q.scales {
                 scales.append(live, Scale { scale: W::splat(1.0) });
+            }
+            if let Some(firsts) = &mut q.firsts {
+                firsts.append(live, First { density: W::splat(f32::INFINITY) });
             }
             if let Some(normals) = &mut q.normals {
                 normals.append(live, Normal { normal: Vec3::<W>::splat([0.0; 3]) });

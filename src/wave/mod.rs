@@ -1,6 +1,7 @@
 //! The wavefront: paths move in batches through the stages, struct-of-arrays between them. One small wave per worker;
 //! nothing is shared between workers.
 
+mod caustic;
 mod compact;
 mod connect;
 mod emit;
@@ -14,6 +15,7 @@ mod route;
 mod shade;
 mod surface;
 
+pub use caustic::{JOB as LIGHT_JOB, LightWave, Reversed, Splat, Splats, light_paths, scatter_rows};
 pub use connect::shadow_rays;
 pub use emit::emitted_radiance;
 pub use escape::background_radiance;
@@ -46,8 +48,10 @@ pub struct Counts {
     pub camera: u64,
     /// Rays after a bounce.
     pub bounce: u64,
-    /// Shadow rays.
+    /// Shadow rays, those of light paths included.
     pub shadow: u64,
+    /// Rays of light paths.
+    pub light: u64,
     /// Paths that were cut at the largest number of bounces.
     pub cut: u64,
     /// Their throughput, averaged over the channels, summed: the share of energy that may be missing.
@@ -57,7 +61,7 @@ pub struct Counts {
 impl Counts {
     /// All rays.
     pub fn rays(&self) -> u64 {
-        self.camera + self.bounce + self.shadow
+        self.camera + self.bounce + self.shadow + self.light
     }
     /// Notes a path that was cut.
     pub fn cut(&mut self, throughput: Vec3<f32>) {
@@ -69,6 +73,7 @@ impl Counts {
         self.camera += other.camera;
         self.bounce += other.bounce;
         self.shadow += other.shadow;
+        self.light += other.light;
         self.cut += other.cut;
         self.cut_throughput += other.cut_throughput;
     }
@@ -164,7 +169,7 @@ impl<S: Sampler> Wave<S> {
             }
             if plan.emit {
                 let hits = q.by_kind[crate::material::Kind::Luminous as usize].len();
-                probe.stage(Stage::Emit, hits, || dispatch(Emit { q, world, samples }));
+                probe.stage(Stage::Emit, hits, || dispatch(Emit { q, world, plan, samples }));
             }
             if plan.sole_kind() {
                 // Without gaps, shading reads whole registers, and closes the gaps that it makes.

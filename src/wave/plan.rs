@@ -48,6 +48,8 @@ pub struct Plan {
     pub smooth: bool,
     /// Whether a ray that hits a light needs the normal where it began: lights are chosen by it.
     pub receivers: bool,
+    /// Light paths per sample of every pixel, by which light that mirrors and glass focus is found; 0 where none are traced.
+    pub light_paths: f32,
     /// Whether some surface transmits, so that paths carry the scale of their radiance.
     pub transmit: bool,
     /// Bounces at most.
@@ -58,8 +60,8 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The plan for a scene; `max_depth` bounces at most, if given.
-    pub fn new(world: &World, method: Method, max_depth: Option<u32>, wave_size: usize) -> Self {
+    /// The plan for a scene; `max_depth` bounces at most, if given. `light_paths` per camera path, if the scene needs any.
+    pub fn new(world: &World, method: Method, max_depth: Option<u32>, wave_size: usize, light_paths: f32) -> Self {
         let used = |kind: Kind| world.lobes.iter().any(|l| l.kind() == kind as usize);
         let kinds: Vec<Kind> = Kind::SCATTERING.iter().copied().filter(|&k| used(k)).collect();
         let lit = !world.lights.is_empty();
@@ -70,15 +72,19 @@ impl Plan {
             Method::Nee => PrevPdf::Never,
             Method::Mis => PrevPdf::Density,
         };
+        let max_depth = max_depth.unwrap_or(BOUNCE_LIMIT).min(BOUNCE_LIMIT);
+        let focused = method == Method::Mis && connect && max_depth > 1 && !world.targets.is_empty();
+        let pixels = world.width() as f32 * world.height() as f32;
         Self {
             connect,
             prev_pdf,
+            light_paths: if focused { light_paths * pixels } else { 0.0 },
             receivers: prev_pdf == PrevPdf::Density && world.lights.depend_on_receiver(),
             emit: lit,
             escape: world.background.is_some(),
             smooth: world.normals.is_some(),
             transmit: kinds.contains(&Kind::Transparent),
-            max_depth: max_depth.unwrap_or(BOUNCE_LIMIT).min(BOUNCE_LIMIT),
+            max_depth,
             wave_size,
             method,
             kinds,
@@ -87,6 +93,14 @@ impl Plan {
 }
 
 impl Plan {
+    /// Whether light that mirrors and glass focus is found by light paths too.
+    pub fn caustics(&self) -> bool {
+        self.light_paths > 0.0
+    }
+    /// The plan of light paths: they meet the same surfaces, and connect to the camera.
+    pub fn of_light_paths(&self) -> Self {
+        Self { emit: false, escape: false, receivers: false, light_paths: 0.0, transmit: true, ..self.clone() }
+    }
     /// Whether all surfaces that scatter are of one kind, so that their rows need no list.
     pub fn sole_kind(&self) -> bool {
         self.kinds.len() == 1

@@ -1,7 +1,7 @@
 //! The state of a wave: paths, hits, shadow rays in columns, and lists of rows.
 
 use super::plan::Plan;
-use crate::columns::columns;
+use crate::columns::{Rows, columns};
 use crate::lanes::{LanesU32, MAX_LANES, Wide};
 use crate::material::Kind;
 
@@ -38,6 +38,15 @@ columns! {
     pub struct NormalQueue of Normal {
         /// Unit normal; unspecified after the camera and delta lobes.
         normal: V3,
+    }
+}
+
+columns! {
+    /// What the weight of light that was focused needs to know of a path's first bounce; only where light paths are traced.
+    pub struct FirstQueue of First {
+        /// Density of the first surface point, per area and camera ray, times that of the direction of scattering there,
+        /// per projected solid angle. Infinite while there is none, and where no light path could be this path's reverse.
+        density: F,
     }
 }
 
@@ -107,6 +116,7 @@ pub struct Queues {
     pub(super) paths: PathQueue,
     pub(super) scales: Option<ScaleQueue>,
     pub(super) normals: Option<NormalQueue>,
+    pub(super) firsts: Option<FirstQueue>,
     pub(super) hits: HitQueue,
     pub(super) shadows: ShadowQueue,
     /// Rows by the kind of surface that they hit; lists of kinds that the scene lacks stay empty.
@@ -126,6 +136,7 @@ impl Queues {
             paths: PathQueue::with_capacity(n),
             scales: plan.transmit.then(|| ScaleQueue::with_capacity(n)),
             normals: plan.receivers.then(|| NormalQueue::with_capacity(n)),
+            firsts: plan.caustics().then(|| FirstQueue::with_capacity(n)),
             hits: HitQueue::with_capacity(n),
             shadows: ShadowQueue::with_capacity(if plan.connect { n } else { 0 }),
             by_kind: std::array::from_fn(|k| {
@@ -136,6 +147,16 @@ impl Queues {
             alive: Vec::with_capacity(n.div_ceil(MAX_LANES)),
         }
     }
+    /// Ends the paths of the live lanes whose bit is set.
+    #[inline(always)]
+    pub(super) fn end(&mut self, rows: &Rows, bits: u32) {
+        let mut ended = bits & rows.live();
+        while ended != 0 {
+            let row = rows.at(ended.trailing_zeros() as usize);
+            self.alive[row / MAX_LANES] &= !(1 << (row % MAX_LANES));
+            ended &= ended - 1;
+        }
+    }
     /// Keeps the first `len` paths.
     pub(super) fn truncate(&mut self, len: usize) {
         self.paths.truncate(len);
@@ -144,6 +165,9 @@ impl Queues {
         }
         if let Some(normals) = &mut self.normals {
             normals.truncate(len);
+        }
+        if let Some(firsts) = &mut self.firsts {
+            firsts.truncate(len);
         }
     }
 }
@@ -157,6 +181,7 @@ impl Plan {
             + HitQueue::ROW_BYTES
             + if self.transmit { ScaleQueue::ROW_BYTES } else { 0 }
             + if self.receivers { NormalQueue::ROW_BYTES } else { 0 }
+            + if self.caustics() { FirstQueue::ROW_BYTES } else { 0 }
             + if self.connect { ShadowQueue::ROW_BYTES } else { 0 }
             + lists * size_of::<u32>()
             // Its bit among those that go on, rounded up.
@@ -184,7 +209,7 @@ pub(super) mod tests {
             let material = b.material(m.clone());
             b.object(Object { mesh, material, rotation: DVec3::ZERO, size: Size::Scale(1.0), mid_point: DVec3::ZERO });
         }
-        Plan::new(&b.build().unwrap(), Method::Mis, None, 64)
+        Plan::new(&b.build().unwrap(), Method::Mis, None, 64, 0.25)
     }
 
     /// The queues hold what the plan counts; nothing is held for what the scene lacks; all of it stays small.

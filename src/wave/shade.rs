@@ -1,8 +1,9 @@
 //! Scattering at surfaces of one kind: connects to a light, chooses the next ray, plays roulette.
 
 use super::plan::{Plan, PrevPdf};
-use super::queues::{HitRow, Normal, Path, Queues, Scale, Shadow};
+use super::queues::{First, HitRow, Normal, Path, Queues, Scale, Shadow};
 use super::surface::{Surface, off_surface};
+use crate::camera::View;
 use crate::columns::Rows;
 use crate::lanes::{Frame, Kernel, Lanes, LanesU32, MAX_LANES, Mask, Vec3, Wide, select3};
 use crate::light::Receiver;
@@ -32,12 +33,14 @@ pub struct Shaded<L: Lanes> {
     pub connected: L::Mask,
     /// Unit geometric normal where the paths go on, on the side of `wo`.
     pub normal: Vec3<L>,
+    /// Density of the first bounce; see [`First`].
+    pub first: L,
 }
 
 /// Density and value of the lobe in world direction `wi`, on the path's side of the surface. Directions that an
 /// interpolated normal would send into the surface are folded out of it: what is folded onto `wi` adds to it.
 #[inline(always)]
-fn eval<M: Lobe, L: Lanes>(
+pub(super) fn eval<M: Lobe, L: Lanes>(
     world: &World,
     p: &M::Params<L>,
     surface: &Surface<L>,
@@ -53,19 +56,12 @@ fn eval<M: Lobe, L: Lanes>(
     Evaluated { f_cos: direct.f_cos + folded.f_cos, pdf: direct.pdf + folded.pdf }
 }
 
-/// One bounce of a group of paths at surfaces of kind `M`.
+/// The materials of a group of hits on surfaces of kind `M`.
 #[inline(always)]
-pub fn shade_rows<M: Lobe, S: Sampler, L: Lanes>(
-    world: &World,
-    plan: &Plan,
-    mut path: Path<L>,
-    scale: L,
-    hit: &HitRow<L>,
-) -> Shaded<L>
+pub(super) fn params<M: Lobe, L: Lanes>(world: &World, hit: &HitRow<L>) -> M::Params<L>
 where
     Materials: Table<M>,
 {
-    let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let ids = hit.triangle.array();
     let rows = Table::<M>::rows(&world.materials);
     // Looked up once, whatever the number of parameters.
@@ -73,7 +69,66 @@ where
     for (row, &id) in chosen.iter_mut().zip(ids.as_ref()) {
         *row = rows[world.lobes[id as usize].row()];
     }
-    let p = M::params::<L>(|i| chosen[i]);
+    M::params::<L>(|i| chosen[i])
+}
+
+/// Density of a path's first bounce as [`First`] has it: `pdf` that of the direction of scattering at `surface`, `wi`, per
+/// solid angle, `way` the camera ray.
+#[inline(always)]
+pub(super) fn first_density<L: Lanes>(view: &View, surface: &Surface<L>, way: Vec3<L>, wi: Vec3<L>, pdf: L) -> L {
+    let distance2 = way.length2();
+    let direction = way * (L::splat(1.0) / distance2.sqrt());
+    let cos = surface.ng.dot(direction).abs();
+    pdf / surface.ng.dot(wi).abs() * view.pixel_density(direction) * cos / distance2
+}
+
+/// The numbers that a direction of scattering takes.
+#[inline(always)]
+pub(super) fn draw<M: Lobe, S: Sampler, L: Lanes>(path: &mut Path<L>) -> [L; 3] {
+    let zero = L::splat(0.0);
+    match M::NUMBERS {
+        0 => [zero; 3],
+        1 => {
+            let [a] = S::draw::<L, 1>(&mut path.rng, Decision::Scatter, path.depth);
+            [a, zero, zero]
+        }
+        2 => {
+            let [a, b] = S::draw::<L, 2>(&mut path.rng, Decision::Scatter, path.depth);
+            [a, b, zero]
+        }
+        _ => S::draw::<L, 3>(&mut path.rng, Decision::Scatter, path.depth),
+    }
+}
+
+/// Counts a bounce, and plays Russian roulette by the share of energy that is left (Arvo and Kirk 1990): what throughput is
+/// to `scale`, which refraction changes along with it. Which paths go on, with the weight of the others.
+#[inline(always)]
+pub(super) fn alive<S: Sampler, L: Lanes>(path: &mut Path<L>, scale: L) -> L::Mask {
+    let one = L::splat(1.0);
+    let [coin] = S::draw::<L, 1>(&mut path.rng, Decision::Roulette, path.depth);
+    let energy = path.throughput.max_component() / scale;
+    path.depth = path.depth.add(L::Uint::splat(1));
+    let plays = L::from_u24(path.depth).gt(L::splat(ROULETTE_FROM as f32));
+    let chance = L::select(plays, (energy * L::splat(ROULETTE)).min(one), one);
+    path.throughput = path.throughput * (one / chance.max(L::splat(f32::MIN_POSITIVE)));
+    coin.lt(chance) & energy.gt(L::splat(0.0))
+}
+
+/// One bounce of a group of paths at surfaces of kind `M`.
+#[inline(always)]
+pub fn shade_rows<M: Lobe, S: Sampler, L: Lanes>(
+    world: &World,
+    plan: &Plan,
+    mut path: Path<L>,
+    scale: L,
+    first: L,
+    hit: &HitRow<L>,
+) -> Shaded<L>
+where
+    Materials: Table<M>,
+{
+    let (zero, one) = (L::splat(0.0), L::splat(1.0));
+    let p = params::<M, L>(world, hit);
     let wo_world = -path.direction;
     let surface = Surface::new(world, hit, wo_world);
     let frame = Frame::about(surface.ns);
@@ -105,42 +160,31 @@ where
         shadow = Shadow { origin, direction: end - origin, radiance, slot: path.slot };
     }
 
-    let numbers = match M::NUMBERS {
-        0 => [zero; 3],
-        1 => {
-            let [a] = S::draw::<L, 1>(&mut path.rng, Decision::Scatter, path.depth);
-            [a, zero, zero]
-        }
-        2 => {
-            let [a, b] = S::draw::<L, 2>(&mut path.rng, Decision::Scatter, path.depth);
-            [a, b, zero]
-        }
-        _ => S::draw::<L, 3>(&mut path.rng, Decision::Scatter, path.depth),
-    };
-    let scattered = M::sample(&p, wo, surface.outside, numbers);
-    let wi = surface.fold(frame.to_world(scattered.wi).normalize(), scattered.transmitted);
+    let scattered = M::sample(&p, wo, surface.outside, draw::<M, S, L>(&mut path));
+    let unfolded = frame.to_world(scattered.wi).normalize();
+    let wi = surface.fold(unfolded, scattered.transmitted);
     path.prev_pdf = match plan.prev_pdf {
         _ if M::DELTA => L::splat(f32::INFINITY),
         PrevPdf::Always => L::splat(f32::INFINITY),
         PrevPdf::Never => zero,
         PrevPdf::Density => eval::<M, L>(world, &p, &surface, &frame, wo, wi).pdf,
     };
+    let first = if !plan.caustics() {
+        first
+    } else if M::DELTA {
+        L::select(surface.regular(unfolded, scattered.transmitted), first, L::splat(f32::INFINITY))
+    } else {
+        let density = first_density(&world.view, &surface, surface.point - path.origin, wi, path.prev_pdf);
+        L::select(L::from_u24(path.depth).eq(zero), density, first)
+    };
     path.throughput = path.throughput.scale(scattered.weight);
     let scale = if M::TRANSMITS { scale * scattered.radiance_scale } else { scale };
 
-    // Russian roulette by the share of energy that is left (Arvo and Kirk 1990), without the scale of refraction.
-    let [coin] = S::draw::<L, 1>(&mut path.rng, Decision::Roulette, path.depth);
-    let energy = path.throughput.max_component() / scale;
-    path.depth = path.depth.add(L::Uint::splat(1));
-    let plays = L::from_u24(path.depth).gt(L::splat(ROULETTE_FROM as f32));
-    let chance = L::select(plays, (energy * L::splat(ROULETTE)).min(one), one);
-    let alive = coin.lt(chance) & energy.gt(zero);
-    path.throughput = path.throughput * (one / chance.max(L::splat(f32::MIN_POSITIVE)));
-
+    let alive = alive::<S, L>(&mut path, scale);
     path.origin =
         if M::TRANSMITS { surface.spawn(scattered.transmitted) } else { surface.spawn(L::Mask::splat(false)) };
     path.direction = wi;
-    Shaded { path, scale, alive, shadow, connected, normal: surface.ng }
+    Shaded { path, scale, alive, shadow, connected, normal: surface.ng, first }
 }
 
 /// One bounce of all paths that hit a surface of kind `M`: those listed, or all that are left where there is no other.
@@ -174,6 +218,9 @@ where
                 if let Some(normals) = &mut q.normals {
                     normals.put(kept, bits, Normal { normal: out.normal });
                 }
+                if let Some(firsts) = &mut q.firsts {
+                    firsts.put(kept, bits, First { density: out.first });
+                }
                 kept += bits.count_ones() as usize;
             }
             q.truncate(kept);
@@ -189,17 +236,15 @@ where
             {
                 scales.scatter(&rows, Scale { scale: out.scale });
             }
+            if let Some(firsts) = &mut q.firsts {
+                firsts.scatter(&rows, First { density: out.first });
+            }
             if !M::DELTA
                 && let Some(normals) = &mut q.normals
             {
                 normals.scatter(&rows, Normal { normal: out.normal });
             }
-            let mut ended = !out.alive.bits() & rows.live();
-            while ended != 0 {
-                let row = rows.at(ended.trailing_zeros() as usize);
-                q.alive[row / MAX_LANES] &= !(1 << (row % MAX_LANES));
-                ended &= ended - 1;
-            }
+            q.end(&rows, !out.alive.bits());
         }
         q.by_kind[kind as usize] = list;
     }
@@ -215,7 +260,8 @@ where
         Some(scales) => scales.scale(rows),
         None => W::splat(1.0),
     };
-    let out = shade_rows::<M, S, W>(world, plan, q.paths.gather(rows), scale, &q.hits.gather(rows));
+    let first = q.firsts.as_ref().map_or(W::splat(f32::INFINITY), |firsts| firsts.density(rows));
+    let out = shade_rows::<M, S, W>(world, plan, q.paths.gather(rows), scale, first, &q.hits.gather(rows));
     if plan.connect && !M::DELTA {
         q.shadows.append(out.connected.bits() & rows.live(), out.shadow);
     }

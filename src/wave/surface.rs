@@ -17,6 +17,8 @@ pub struct Surface<L: Lanes> {
     pub ns: Vec3<L>,
     /// Where the path is on the front side of the triangle.
     pub outside: L::Mask,
+    /// Where `ns` had to be tilted to be on the side of the path.
+    pub tilted: L::Mask,
 }
 
 /// How far off a surface rays start, as a share of the triangle's largest coordinate. Two errors have to be passed: that
@@ -46,15 +48,15 @@ impl<L: Lanes> Surface<L> {
         let front = (b - a).cross(c - a).normalize();
         let outside = front.dot(wo).gt(L::splat(0.0));
         let ng = select3(outside, front, -front);
-        let ns = match &world.normals {
-            None => ng,
+        let (ns, tilted) = match &world.normals {
+            None => (ng, L::Mask::splat(false)),
             Some(normals) => {
                 let [na, nb, nc] = Vec3::triple(|i| &normals[id(i)]);
                 let sum = na.mul_add(w, nb.mul_add(hit.u, nc * hit.v));
                 facing(sum, ng, wo)
             }
         };
-        Self { point, reach: largest_coordinate([a, b, c]), ng, ns, outside }
+        Self { point, reach: largest_coordinate([a, b, c]), ng, ns, outside, tilted }
     }
 
     /// Where a ray into direction `wi` starts, so that it does not hit the surface again.
@@ -72,6 +74,15 @@ impl<L: Lanes> Surface<L> {
         select3(wrong, self.mirror(wi), wi)
     }
 
+    /// Whether a ray between `wo` and `wi` is scattered the same way in both directions: neither is so low on the
+    /// interpolated normal's horizon that it was bent. `wi` is the direction before [`Self::fold`].
+    #[inline(always)]
+    pub fn regular(&self, wi: Vec3<L>, through: L::Mask) -> L::Mask {
+        let side = wi.dot(self.ng);
+        let low = wi.dot(self.ns).abs().lt(L::splat(MIN_COS));
+        !self.tilted & !low & L::select(through, -side, side).gt(L::splat(0.0))
+    }
+
     /// `wi` mirrored in the plane of the triangle.
     #[inline(always)]
     pub fn mirror(&self, wi: Vec3<L>) -> Vec3<L> {
@@ -80,9 +91,9 @@ impl<L: Lanes> Surface<L> {
 }
 
 /// The interpolated normal `sum`, made unit, on the side of `ng`, and tilted towards `wo` where it looks away from it.
-/// Where nothing is left of it, `ng`.
+/// Where nothing is left of it, `ng`. Also where it was tilted.
 #[inline(always)]
-fn facing<L: Lanes>(sum: Vec3<L>, ng: Vec3<L>, wo: Vec3<L>) -> Vec3<L> {
+fn facing<L: Lanes>(sum: Vec3<L>, ng: Vec3<L>, wo: Vec3<L>) -> (Vec3<L>, L::Mask) {
     let length2 = sum.length2();
     let usable = length2.gt(L::splat(1e-8));
     let unit = select3(usable, sum * (L::splat(1.0) / length2.sqrt()), ng);
@@ -90,10 +101,10 @@ fn facing<L: Lanes>(sum: Vec3<L>, ng: Vec3<L>, wo: Vec3<L>) -> Vec3<L> {
     let cos = ns.dot(wo);
     let low = cos.lt(L::splat(MIN_COS));
     if !low.any() {
-        return ns;
+        return (ns, low);
     }
     let tilted = wo.mul_add(L::splat(2.0 * MIN_COS) - cos, ns).normalize();
-    select3(low, tilted, ns)
+    (select3(low, tilted, ns), low)
 }
 
 #[cfg(test)]
@@ -105,12 +116,13 @@ mod tests {
         let up = Vec3::<f32>::splat([0.0, 0.0, 1.0]);
         let wo = Vec3::splat([0.6, 0.0, 0.8]);
         for (sum, expected) in [([0.0; 3], up), ([0.0, 0.0, -1.0], up), ([f32::NAN, 0.0, 0.0], up)] {
-            assert_eq!(facing(Vec3::splat(sum), up, wo).lane(0), expected.lane(0));
+            assert_eq!(facing(Vec3::splat(sum), up, wo).0.lane(0), expected.lane(0));
         }
         // Looks away from wo, though the triangle does not.
         let away = Vec3::splat([-0.9, 0.0, 0.2]).normalize();
         let grazing = Vec3::splat([0.995, 0.0, 0.0998]).normalize();
-        let n = facing(away, up, grazing);
+        let (n, tilted) = facing(away, up, grazing);
+        assert!(tilted);
         assert!(n.dot(grazing) > 0.0 && (n.length2() - 1.0).abs() < 1e-6, "{n:?}");
     }
 }

@@ -4,7 +4,7 @@ use super::{MaterialInput, Mesh, Object, Size, World, WorldBuilder};
 use crate::camera::View;
 use crate::error::{Error, Result};
 use crate::ids::LobeId;
-use crate::light::{LightTriangle, Lights};
+use crate::light::{Ball, LightTriangle, Lights, Targets};
 use crate::linear::{DMat3, DVec3, Vec3};
 use crate::material::{Diffuse, Kind, Luminous, Materials, Matt, Specular, Table, Transparent};
 use crate::material::{DiffuseRow, MattRow, SpecularRow, TransparentRow};
@@ -116,9 +116,10 @@ pub(super) fn freeze(b: WorldBuilder) -> Result<World> {
     let smooth = b.objects.iter().any(|o| !b.meshes[o.mesh].triangle_normals.is_empty());
     let (mut corners, mut lobes) = (Vec::with_capacity(faces), Vec::with_capacity(faces));
     let mut normals = smooth.then(|| Vec::with_capacity(faces));
-    let (mut light_triangles, mut dropped) = (Vec::new(), 0);
+    let (mut light_triangles, mut balls, mut dropped) = (Vec::new(), Vec::new(), 0);
     for (o, place) in b.objects.iter().zip(&places) {
         let (mesh, lobe) = (&b.meshes[o.mesh], lobes_of[o.material]);
+        let first = corners.len();
         let points: Vec<Vec3> = mesh.positions.iter().map(|&p| ((place.point(p) - centre) * scale).as_vec3()).collect();
         for (k, face) in mesh.triangles.iter().enumerate() {
             let p = face.map(|v| points[v as usize]);
@@ -146,6 +147,9 @@ pub(super) fn freeze(b: WorldBuilder) -> Result<World> {
             corners.push(p.map(|p| p.to_array()));
             lobes.push(lobe);
         }
+        if Kind::SCATTERING.get(lobes_of[o.material].kind()).is_some_and(|kind| kind.is_delta()) {
+            balls.extend(Ball::about(corners[first..].iter().flatten().copied()));
+        }
     }
     Ok(World {
         view: View::new(&b.camera, centre, scale),
@@ -154,6 +158,7 @@ pub(super) fn freeze(b: WorldBuilder) -> Result<World> {
         normals,
         materials,
         lights: Lights::new(&light_triangles),
+        targets: Targets::new(balls),
         background: b.background.iter().any(|&c| c > 0.0).then_some(b.background),
         dropped,
         centre,

@@ -9,7 +9,7 @@ pub use input::{MaterialInput, Mesh, Object, Size};
 use crate::camera::{Camera, View};
 use crate::error::Result;
 use crate::ids::LobeId;
-use crate::light::Lights;
+use crate::light::{Lights, Targets};
 use crate::linear::DVec3;
 use crate::material::{Kind, Materials};
 
@@ -89,6 +89,8 @@ pub struct World {
     pub(crate) normals: Option<Vec<[[f32; 3]; 3]>>,
     pub(crate) materials: Materials,
     pub(crate) lights: Lights,
+    /// Balls about all objects that reflect or refract into single directions.
+    pub(crate) targets: Targets,
     /// Radiance from outside everything; absent where it is black.
     pub(crate) background: Option<[f32; 3]>,
     pub(crate) dropped: usize,

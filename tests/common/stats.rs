@@ -42,7 +42,12 @@ impl Estimate {
     }
     /// Of channel `k` of an image's mean, from independent samples.
     pub fn of_film(film: &Film, k: usize) -> Self {
-        Self::average(film.pixels().iter().map(|p| Self::of_pixel(p, k)))
+        Self::average((0..film.pixels().len()).map(|i| Self::of(film, i, k)))
+    }
+    /// Of channel `k` of pixel number `i`, with what light paths bring.
+    pub fn of(film: &Film, i: usize, k: usize) -> Self {
+        let freedom = film.pixels()[i].count as f64 - 1.0;
+        Self { mean: film.mean(i)[k], variance: film.variance(i)[k], freedom }
     }
     /// From replicates: whole results with seeds of their own.
     pub fn of_replicates(values: &[f64]) -> Self {
