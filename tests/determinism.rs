@@ -22,7 +22,10 @@ fn render(renderer: &Renderer, settings: &Settings) -> (Film, Counts) {
 
 fn assert_same(a: &Film, b: &Film, what: &str) {
     let bits = |f: &Film| -> Vec<_> {
-        f.pixels().iter().map(|p| (p.sum.map(f64::to_bits), p.sum2.map(f64::to_bits), p.count)).collect()
+        let sums = f.pixels().iter().map(|p| (p.sum.map(f64::to_bits), p.sum2.map(f64::to_bits), p.count));
+        // With what light paths bring.
+        let estimates = (0..f.pixels().len()).map(|i| (f.mean(i).map(f64::to_bits), f.variance(i).map(f64::to_bits)));
+        sums.zip(estimates).collect()
     };
     let (x, y) = (bits(a), bits(b));
     let differ = x.iter().zip(&y).filter(|(p, q)| p != q).count();
@@ -43,7 +46,9 @@ fn threads_and_wave_sizes_change_no_bit() {
                 }
                 let (other, c) = render(&renderer, &Settings { threads, wave_size, ..base.clone() });
                 assert_same(&film, &other, &format!("{name}, {sampler:?}, {threads} threads, wave {wave_size}"));
-                assert_eq!((counts.camera, counts.bounce, counts.shadow), (c.camera, c.bounce, c.shadow), "{name}");
+                let of = |c: &Counts| (c.camera, c.bounce, c.shadow, c.light);
+                assert_eq!(of(&counts), of(&c), "{name}");
+                assert_eq!(c.light > 0, name == "delta", "{name}: light paths where something focuses light");
             }
         }
     }
@@ -61,7 +66,7 @@ fn the_waves_give_the_image_of_the_reference() {
                         let (other, c) = render(&renderer, &Settings { integrator, ..wave.clone() });
                         let what = format!("{name}, {method:?}, {sampler:?}, depth {max_depth:?}, {integrator:?}");
                         assert_same(&film, &other, &what);
-                        let of = |c: &Counts| (c.camera, c.bounce, c.shadow, c.cut);
+                        let of = |c: &Counts| (c.camera, c.bounce, c.shadow, c.light, c.cut);
                         assert_eq!(of(&counts), of(&c), "{what}");
                     }
                     assert_eq!(counts.camera, u64::from(SIZE[0] * SIZE[1] * spp));

@@ -85,7 +85,7 @@ fn agree(film: &Film, spp: u32, text: &str, reference_spp: u32, least: usize) {
         let (column, row) = (number % across, number / across);
         for (k, (our, their)) in all.iter_mut().enumerate() {
             let pixel = |i: usize| (row * BLOCK + i / BLOCK) * film.width() as usize + column * BLOCK + i % BLOCK;
-            let pixels = (0..BLOCK * BLOCK).map(|i| Estimate::of_pixel(&film.pixels()[pixel(i)], k));
+            let pixels = (0..BLOCK * BLOCK).map(|i| Estimate::of(film, pixel(i), k));
             let own = Estimate::average(pixels);
             let variance = block.error[k].powi(2);
             let theirs = Estimate { mean: block.mean[k], variance, freedom: (BLOCK * BLOCK) as f64 };

@@ -82,7 +82,7 @@ pub const DEFAULT_WAVE: usize = 2048;
 /// Paths in flight per worker at most.
 pub const MAX_WAVE: usize = 1 << 22;
 /// Light paths per camera path unless set, where the scene needs any.
-pub const DEFAULT_LIGHT_PATHS: f32 = 0.25;
+pub const DEFAULT_LIGHT_PATHS: f32 = 0.1;
 /// Light paths per camera path at most.
 pub const MAX_LIGHT_PATHS: f32 = 1000.0;
 /// Threads at most.

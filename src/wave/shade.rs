@@ -82,6 +82,13 @@ pub(super) fn first_density<L: Lanes>(view: &View, surface: &Surface<L>, way: Ve
     pdf / surface.ng.dot(wi).abs() * view.pixel_density(direction) * cos / distance2
 }
 
+/// Whether light that is scattered between two directions could come the other way with the same lobe: see
+/// [`Surface::regular`].
+#[inline(always)]
+pub(super) fn reversible<L: Lanes>(surface: &Surface<L>, seen: Vec3<L>, other: Vec3<L>, through: L::Mask) -> L::Mask {
+    surface.regular(seen, L::Mask::splat(false)) & surface.regular(other, through)
+}
+
 /// The numbers that a direction of scattering takes.
 #[inline(always)]
 pub(super) fn draw<M: Lobe, S: Sampler, L: Lanes>(path: &mut Path<L>) -> [L; 3] {
@@ -169,13 +176,16 @@ where
         PrevPdf::Never => zero,
         PrevPdf::Density => eval::<M, L>(world, &p, &surface, &frame, wo, wi).pdf,
     };
-    let first = if !plan.caustics() {
-        first
-    } else if M::DELTA {
-        L::select(surface.regular(unfolded, scattered.transmitted), first, L::splat(f32::INFINITY))
+    let first = if plan.caustics() {
+        let first = if M::DELTA {
+            first
+        } else {
+            let density = first_density(&world.view, &surface, surface.point - path.origin, wi, path.prev_pdf);
+            L::select(L::from_u24(path.depth).eq(zero), density, first)
+        };
+        L::select(reversible(&surface, wo_world, unfolded, scattered.transmitted), first, L::splat(f32::INFINITY))
     } else {
-        let density = first_density(&world.view, &surface, surface.point - path.origin, wi, path.prev_pdf);
-        L::select(L::from_u24(path.depth).eq(zero), density, first)
+        first
     };
     path.throughput = path.throughput.scale(scattered.weight);
     let scale = if M::TRANSMITS { scale * scattered.radiance_scale } else { scale };

@@ -74,13 +74,19 @@ impl<L: Lanes> Surface<L> {
         select3(wrong, self.mirror(wi), wi)
     }
 
-    /// Whether a ray between `wo` and `wi` is scattered the same way in both directions: neither is so low on the
-    /// interpolated normal's horizon that it was bent. `wi` is the direction before [`Self::fold`].
+    /// Whether both normals see a direction at cosines that differ by a factor below 2, and on the side that `through` says.
+    /// Where that holds for `wo` and `wi`, neither is tilted or folded, and light goes the way back with the same lobe.
     #[inline(always)]
-    pub fn regular(&self, wi: Vec3<L>, through: L::Mask) -> L::Mask {
-        let side = wi.dot(self.ng);
-        let low = wi.dot(self.ns).abs().lt(L::splat(MIN_COS));
-        !self.tilted & !low & L::select(through, -side, side).gt(L::splat(0.0))
+    pub fn regular(&self, direction: Vec3<L>, through: L::Mask) -> L::Mask {
+        let two = L::splat(2.0);
+        let side = |n: Vec3<L>| {
+            let cos = n.dot(direction);
+            L::select(through, -cos, cos)
+        };
+        let (flat, smooth) = (side(self.ng), side(self.ns));
+        // The first: what mirrors the direction in the triangle's plane brings it below the horizon of the other normal.
+        let close = smooth.lt(two * flat * self.ng.dot(self.ns)) & flat.lt(two * smooth);
+        close & L::splat(MIN_COS).le(smooth) & !self.tilted
     }
 
     /// `wi` mirrored in the plane of the triangle.

@@ -54,6 +54,20 @@ impl Scene {
         self.0.object(Object { mesh, material, rotation: DVec3::ZERO, size: Size::Scale(1.0), mid_point });
         self
     }
+    /// Small triangles about the room that give light.
+    pub fn with_lamps(mut self, count: u32) -> Self {
+        let mut random = super::random::Random(7);
+        for i in 0..count {
+            let mut number = || f64::from(random.unit());
+            let corner = v(1.8 * number() - 0.9, 1.8 * number() - 0.9, 0.1 + 1.7 * number());
+            let mut edge = || 0.15 * v(number() - 0.5, number() - 0.5, number() - 0.5);
+            let positions = vec![corner, corner + edge(), corner + edge()];
+            let mesh = Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() };
+            let colour = [1.0, 0.7 + 0.3 * (i % 2) as f32, 1.0 - 0.1 * (i % 5) as f32];
+            self = self.with(mesh, MaterialInput::Luminous { radiance: colour.map(|c| c * (1 + i % 7) as f32 * 3.0) });
+        }
+        self
+    }
     pub fn renderer(self) -> Renderer {
         Renderer::new(self.0.build().unwrap())
     }
@@ -104,6 +118,15 @@ pub fn rooms(size: [u32; 2]) -> Vec<(&'static str, Renderer)> {
                 .with(block(-0.45, 0.4, 0.5, 1.1, 20.0), mirror(0.9))
                 .with(ball(0.4, 0.2, 0.5, true), glass(0.95, 1.5))
                 .with(patch(0.9, 0.0, 0.9, 0.1, 0.1), MaterialInput::Luminous { radiance: [0.0, 6.0, 20.0] })
+                .renderer(),
+        ),
+        (
+            // Lamps of all sizes, colours and directions, some of them hidden from most of the room.
+            "many lamps",
+            room(size)
+                .with(block(-0.45, 0.4, 0.5, 1.1, 20.0), matt(0.9, 0.3))
+                .with(ball(0.4, 0.2, 0.5, true), diffuse(0.7))
+                .with_lamps(40)
                 .renderer(),
         ),
         (

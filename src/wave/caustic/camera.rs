@@ -7,7 +7,7 @@ use crate::material::{Lobe, Materials, Table};
 use crate::sampling::power_heuristic;
 use crate::wave::plan::Plan;
 use crate::wave::queues::{HitRow, Path};
-use crate::wave::shade::{eval, first_density};
+use crate::wave::shade::{eval, first_density, reversible};
 use crate::wave::shadow_rays;
 use crate::wave::surface::Surface;
 use crate::world::World;
@@ -84,6 +84,7 @@ where
         & cos_wo.gt(zero)
         & lobe.pdf.gt(zero)
         & radiance.max_component().gt(zero)
+        & reversible(&seen, wo, wi, L::Mask::splat(false))
         & L::from_u24(path.depth).gt(zero);
     let (px, py) = (x.array(), y.array());
     let whole = |v: &L::Array| L::Uint::from_fn(|i| v.as_ref()[i].max(0.0) as u32);

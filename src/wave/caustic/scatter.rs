@@ -7,7 +7,7 @@ use crate::material::{Kind, Lobe, Materials, Table};
 use crate::sampling::Sampler;
 use crate::wave::plan::Plan;
 use crate::wave::queues::{HitRow, Path, Queues};
-use crate::wave::shade::{alive, draw, eval, params};
+use crate::wave::shade::{alive, draw, params, reversible};
 use crate::wave::surface::Surface;
 use crate::world::World;
 use std::marker::PhantomData;
@@ -26,8 +26,9 @@ pub struct Reversed<L: Lanes> {
 }
 
 /// One bounce of a group of light paths at surfaces of kind `M`. The surface is seen from `wi`, where the light comes from;
-/// `wo` is where it goes. Radiance and what light paths carry are reversed by the factor |ng . wo| / |ng . wi| (Veach 1997,
-/// equation 5.20), which differs from that of the lobe where normals are interpolated.
+/// `wo` is where it goes. Sampled from there, a reciprocal lobe gives what it would from the other side, but for the cosines:
+/// the factor is |ns . wi| |ng . wo| / (|ns . wo| |ng . wi|), 1 where normals are not interpolated (Veach 1997, section
+/// 5.3.2). Light does not go on where the lobe would not be the same from the other side.
 #[inline(always)]
 pub fn scatter_rows<M: Lobe, S: Sampler, L: Lanes>(
     world: &World,
@@ -44,7 +45,6 @@ where
     let surface = Surface::new(world, hit, wi);
     let frame = Frame::about(surface.ns);
     let local = frame.to_local(wi);
-    let cos_wi = surface.ng.dot(wi).abs();
 
     let (connection, connected) = if M::DELTA {
         (Connection::none(&path), L::Mask::splat(false))
@@ -53,34 +53,18 @@ where
     };
 
     let scattered = M::sample(&p, local, surface.outside, draw::<M, S, L>(&mut path));
-    let unfolded = frame.to_world(scattered.wi).normalize();
-    let regular = surface.regular(unfolded, scattered.transmitted);
-    let (wo, weight) = if M::DELTA {
-        let cosines = (surface.ns.dot(wi) * surface.ng.dot(unfolded)).abs();
-        let others = (surface.ns.dot(unfolded) * surface.ng.dot(wi)).abs();
-        (unfolded, scattered.weight * (cosines / (others * scattered.radiance_scale)))
-    } else {
-        let wo = surface.fold(unfolded, scattered.transmitted);
-        let weight = match &world.normals {
-            // The lobe is reciprocal, and its samples weigh the same from both sides.
-            None => scattered.weight,
-            Some(_) => {
-                let pdf = eval::<M, L>(world, &p, &surface, &frame, wi, wo).pdf;
-                let seen = Surface::new(world, hit, wo);
-                let value = eval::<M, L>(world, &p, &seen, &Frame::about(seen.ns), wo, wi).f_cos;
-                value * (surface.ng.dot(wo).abs() / (cos_wi * pdf))
-            }
-        };
-        (wo, weight)
-    };
-    path.throughput = path.throughput.scale(weight);
-    // The first surface has to be one that light cannot be connected to, and light has to be able to go the other way.
-    let of_use = if M::DELTA { regular } else { L::from_u24(path.depth).gt(L::splat(0.0)) };
-    let lives = alive::<S, L>(&mut path, scale) & of_use & path.throughput.max_component().gt(L::splat(0.0));
+    let wo = frame.to_world(scattered.wi).normalize();
+    let cosines = (surface.ns.dot(wi) * surface.ng.dot(wo)).abs();
+    let others = (surface.ns.dot(wo) * surface.ng.dot(wi)).abs();
+    path.throughput = path.throughput.scale(scattered.weight) * (cosines / (others * scattered.radiance_scale));
+    // The first surface has to be one that light cannot be connected to.
+    let of_use = if M::DELTA { L::Mask::splat(true) } else { L::from_u24(path.depth).gt(L::splat(0.0)) };
+    let of_use = of_use & reversible(&surface, wi, wo, scattered.transmitted);
+    let alive = alive::<S, L>(&mut path, scale) & of_use;
     path.origin =
         if M::TRANSMITS { surface.spawn(scattered.transmitted) } else { surface.spawn(L::Mask::splat(false)) };
     path.direction = wo;
-    Reversed { path, alive: lives, connection, connected }
+    Reversed { path, alive, connection, connected }
 }
 
 /// One bounce of all light paths that hit a surface of kind `M`.
