@@ -1,5 +1,5 @@
 //! Stages that compute in lanes have their lanes full. Nothing here is statistical: occupancy follows from the lengths of
-//! queues, and these from the seed.
+//! queues, and these from the seed. Light paths are left out: this small image has too few of them to fill a wave.
 
 mod common;
 
@@ -11,9 +11,10 @@ use wavetrace::wave::Method;
 
 #[test]
 fn lanes_are_full_where_there_are_paths_enough() {
-    for (name, renderer) in rooms([64, 64]) {
+    for (name, renderer) in rooms([48, 48]) {
         for sampler in SAMPLERS {
-            let timed = Settings { time_stages: true, threads: 1, ..settings(Method::Mis, sampler, 16, 2) };
+            let timed =
+                Settings { time_stages: true, threads: 1, light_paths: 0.0, ..settings(Method::Mis, sampler, 64, 2) };
             let rendered = renderer.render(&timed, &Control::default()).unwrap();
             for row in &rendered.stages {
                 let occupancy = row.occupancy();

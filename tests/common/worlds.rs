@@ -121,15 +121,6 @@ pub fn rooms(size: [u32; 2]) -> Vec<(&'static str, Renderer)> {
                 .renderer(),
         ),
         (
-            // Lamps of all sizes, colours and directions, some of them hidden from most of the room.
-            "many lamps",
-            room(size)
-                .with(block(-0.45, 0.4, 0.5, 1.1, 20.0), matt(0.9, 0.3))
-                .with(ball(0.4, 0.2, 0.5, true), diffuse(0.7))
-                .with_lamps(40)
-                .renderer(),
-        ),
-        (
             "open",
             Scene::new(camera(v(0.0, -3.0, 1.2), v(0.0, 3.0, -0.7), size, 45.0))
                 .background(0.4)
@@ -140,6 +131,15 @@ pub fn rooms(size: [u32; 2]) -> Vec<(&'static str, Renderer)> {
                     quad(v(-1.0, 1.0, 0.2), v(2.0, 0.0, 0.0), v(0.0, 0.3, 1.2)),
                     MaterialInput::Luminous { radiance: [2.0, 1.5, 1.0] },
                 )
+                .renderer(),
+        ),
+        (
+            // Lamps of all sizes, colours and directions, some of them hidden from most of the room.
+            "many lamps",
+            room(size)
+                .with(block(-0.45, 0.4, 0.5, 1.1, 20.0), matt(0.9, 0.3))
+                .with(ball(0.4, 0.2, 0.5, true), diffuse(0.7))
+                .with_lamps(40)
                 .renderer(),
         ),
     ]
