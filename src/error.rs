@@ -71,6 +71,14 @@ pub enum Error {
         /// What is wrong, and what would do.
         reason: String,
     },
+    /// Images that are compared do not go together.
+    #[error("images: found {found}, expected {expected}")]
+    Images {
+        /// What was found.
+        found: String,
+        /// What is expected instead.
+        expected: String,
+    },
     /// A setting of the render is out of its range.
     #[error("{setting}: found {found}, expected {expected}")]
     Setting {

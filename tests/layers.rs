@@ -40,6 +40,7 @@ const EXCEPTIONS: &[(&str, &str)] = &[];
 const ONLY: &[(&str, &[&str])] = &[
     ("accel", &["lanes", "columns", "ids", "error", "probe"]),
     ("scene", &["error", "world", "camera", "linear"]),
+    ("report", &["error"]),
     ("bench", &["lanes", "columns", "linear", "error", "sampling", "world", "accel", "scene", "output"]),
 ];
 
