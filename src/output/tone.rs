@@ -1,4 +1,4 @@
-//! From linear radiance to 8-bit sRGB, for PNG and PPM.
+//! From linear radiance to 8-bit sRGB and back, for PNG and PPM.
 
 use super::Image;
 use crate::error::{Error, Result};
@@ -69,6 +69,11 @@ fn srgb(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
+/// The same backwards: from encoded to linear, both in [0, 1].
+pub(super) fn linear(encoded: f64) -> f64 {
+    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -116,6 +121,15 @@ mod tests {
     fn max_ignores_all_of_a_broken_pixel() {
         let image = Image { width: 2, height: 1, pixels: vec![[f32::NAN, 1e9, 0.0], [1.0, 0.5, 0.0]] };
         assert_eq!(tone(0.0, ToneMap::Max).to_srgb8(&image), [0, 255, 0, 255, 188, 0]);
+    }
+
+    #[test]
+    fn what_was_shown_is_read_back() {
+        for code in 0..=255_u8 {
+            assert_eq!(quantize(linear(f64::from(code) / 255.0), 1.0), code);
+        }
+        // The two branches meet where the standard's rounded numbers let them.
+        assert!((linear(0.040_45) - linear(0.040_450_001)).abs() < 1e-7);
     }
 
     #[test]
