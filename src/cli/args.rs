@@ -187,6 +187,9 @@ pub struct RenderArgs {
     pub size: Option<(u32, u32)>,
     #[arg(short, long, value_name = "FILE", help_heading = "Image", help = OUTPUT_HELP)]
     pub output: Vec<PathBuf>,
+    /// Write the variances of the pixels' means too, into .exr files
+    #[arg(long, help_heading = "Image")]
+    pub variance: bool,
     /// Exposure of 8-bit images, in stops
     #[arg(long, value_name = "EV", default_value = "0", value_parser = exposure, allow_hyphen_values = true,
         help_heading = "Image")]

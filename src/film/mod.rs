@@ -95,6 +95,10 @@ impl Film {
         let pixels = self.pixels.iter().map(|p| p.mean().map(|c| c as f32)).collect();
         Image { width: self.width, height: self.height, pixels }
     }
+    /// Variances of the means, in the order of the image's pixels; see [`Pixel::variance_of_mean`].
+    pub fn variances(&self) -> Vec<[f32; 3]> {
+        self.pixels.iter().map(|p| p.variance_of_mean().map(|c| c as f32)).collect()
+    }
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.pixels.len() * size_of::<Pixel>()

@@ -23,4 +23,4 @@ pub use layers::Layers;
 pub use metadata::{Metadata, PARTIAL};
 pub use name::{LocalTime, default_name, local_now};
 pub use read::{ImageFile, read};
-pub use tone::{Tone, ToneMap};
+pub use tone::{Tone, ToneMap, from_srgb8};

@@ -124,15 +124,34 @@ pub fn errors(image: &[[f32; 3]], reference: &[[f32; 3]]) -> Result<Errors> {
 pub fn rel_mse_of_noisy_reference(image: &[[f32; 3]], halves: [&[[f32; 3]]; 2]) -> Result<Figure> {
     check(image, halves[0])?;
     check(image, halves[1])?;
-    let (mut relative, mut noise) = (Vec::new(), Vec::new());
-    for [pixel, a, b] in finite([image, halves[0], halves[1]]) {
+    Ok(less_noise(finite([image, halves[0], halves[1]]).into_iter().map(|[pixel, a, b]| {
         let [pixel, a, b] = [pixel, a, b].map(|pixel| pixel.map(f64::from));
-        let reference: [f64; 3] = std::array::from_fn(|k| 0.5 * (a[k] + b[k]));
-        relative.push(mean_over_channels(|k| over(pixel[k] - reference[k], reference[k])));
-        noise.push(mean_over_channels(|k| over(0.5 * (a[k] - b[k]), reference[k])));
+        let reference = std::array::from_fn(|k| 0.5 * (a[k] + b[k]));
+        (pixel, reference, std::array::from_fn(|k| (0.5 * (a[k] - b[k])).powi(2)))
+    })))
+}
+
+/// The same against a reference whose pixels' means have known variances.
+///
+/// # Errors
+/// [`Error::Images`] if the numbers of pixels or variances differ, or are 0.
+pub fn rel_mse_less_variance(image: &[[f32; 3]], reference: &[[f32; 3]], variance: &[[f32; 3]]) -> Result<Figure> {
+    check(image, reference)?;
+    check(image, variance)?;
+    let all = finite([image, reference, variance]).into_iter().map(|all| all.map(|pixel| pixel.map(f64::from)));
+    Ok(less_noise(all.map(|[pixel, reference, variance]| (pixel, reference, variance))))
+}
+
+/// Of pixels, their references, and the variances of these.
+fn less_noise(pixels: impl Iterator<Item = ([f64; 3], [f64; 3], [f64; 3])>) -> Figure {
+    let (mut relative, mut corrected) = (Vec::new(), Vec::new());
+    for (pixel, reference, variance) in pixels {
+        let over = |k: usize, square: f64| square / (reference[k] * reference[k] + RELATIVE_OFFSET);
+        let error = mean_over_channels(|k| over(k, (pixel[k] - reference[k]).powi(2)));
+        relative.push(error);
+        corrected.push(error - mean_over_channels(|k| over(k, variance[k])));
     }
-    let corrected = relative.iter().zip(&noise).map(|(error, noise)| error - noise);
-    Ok(mean(corrected, &worst(&relative)))
+    mean(corrected.into_iter(), &worst(&relative))
 }
 
 /// Mean over the channels of (a - b)^2.
@@ -144,11 +163,7 @@ pub fn squared_error(a: [f32; 3], b: [f32; 3]) -> f64 {
 /// Mean over the channels of (a - b)^2 / (b^2 + 0.01).
 #[must_use]
 pub fn relative_squared_error(a: [f32; 3], b: [f32; 3]) -> f64 {
-    mean_over_channels(|k| over(f64::from(a[k]) - f64::from(b[k]), f64::from(b[k])))
-}
-
-fn over(error: f64, reference: f64) -> f64 {
-    error * error / (reference * reference + RELATIVE_OFFSET)
+    mean_over_channels(|k| (f64::from(a[k]) - f64::from(b[k])).powi(2) / (f64::from(b[k]).powi(2) + RELATIVE_OFFSET))
 }
 
 fn mean_over_channels(value: impl Fn(usize) -> f64) -> f64 {
@@ -162,6 +177,14 @@ pub(super) fn check(image: &[[f32; 3]], reference: &[[f32; 3]]) -> Result<()> {
     }
     let found = format!("{} and {} pixels", image.len(), reference.len());
     Err(Error::Images { found, expected: "as many in both, and at least one".to_owned() })
+}
+
+/// An image is whole rows of some pixels.
+pub(super) fn check_rows(image: &[[f32; 3]], width: usize) -> Result<()> {
+    if width > 0 && image.len().is_multiple_of(width) {
+        return Ok(());
+    }
+    Err(Error::Images { found: format!("{} pixels", image.len()), expected: format!("whole rows of {width}") })
 }
 
 /// The pixels that are finite in all images.
@@ -303,6 +326,7 @@ mod tests {
         assert_eq!(fails(3, 4), "images: found 3 and 4 pixels, expected as many in both, and at least one");
         assert!(fails(0, 0).contains("0 and 0 pixels"));
         assert!(rel_mse_of_noisy_reference(&[[0.0; 3]; 2], [&[[0.0; 3]; 2], &[[0.0; 3]; 1]]).is_err());
+        assert!(rel_mse_less_variance(&[[0.0; 3]; 2], &[[0.0; 3]; 2], &[[0.0; 3]; 1]).is_err());
     }
 
     #[test]
@@ -310,6 +334,10 @@ mod tests {
         // Exactly: halves 0.5 and 1.5 have the mean 1 and the estimated variance 0.25.
         let found = rel_mse_of_noisy_reference(&[[2.0; 3]; 5], [&[[0.5; 3]; 5], &[[1.5; 3]; 5]]).unwrap();
         near(found.raw, (1.0 - 0.25) / 1.01);
+        let known = rel_mse_less_variance(&[[2.0; 3]; 5], &[[1.0; 3]; 5], &[[0.25; 3]; 5]).unwrap();
+        assert_eq!(found, known);
+        let unknown = [[0.25; 3], [f32::INFINITY; 3], [0.25; 3], [f32::NAN; 3], [0.25; 3]];
+        near(rel_mse_less_variance(&[[2.0; 3]; 5], &[[1.0; 3]; 5], &unknown).unwrap().raw, (1.0 - 0.25) / 1.01);
         // In the mean: an image without error has none by a reference with noise. Uniform noise of +-0.1 about 1 in each
         // half: the variance of the halves' mean is 0.01 / 3 / 2, that of the estimate less than twice its square.
         let mut state = 1_u64;

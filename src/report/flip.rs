@@ -56,10 +56,7 @@ const KNEE_TARGET: f32 = 0.95;
 /// `viewing` is out of its range.
 pub fn flip(image: &[[f32; 3]], reference: &[[f32; 3]], width: usize, viewing: &Viewing) -> Result<Flip> {
     errors::check(image, reference)?;
-    if width == 0 || !image.len().is_multiple_of(width) {
-        let expected = format!("whole rows of {width}");
-        return Err(Error::Images { found: format!("{} pixels", image.len()), expected });
-    }
+    errors::check_rows(image, width)?;
     viewing.check()?;
     let filters = Filters::new(viewing.pixels_per_degree);
     let seen = [image, reference].map(|pixels| filters.look(pixels, width, viewing.exposure_ev));

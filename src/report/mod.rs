@@ -7,6 +7,11 @@ mod colour;
 pub mod errors;
 mod filter;
 pub mod flip;
+pub mod heatmap;
+mod student;
+pub mod welch;
 
 pub use errors::{Errors, Figure, Flaws, Means, errors};
 pub use flip::{Flip, Viewing, flip};
+pub use heatmap::Scale;
+pub use welch::{Measured, Welch, welch};
