@@ -154,6 +154,7 @@ fn help_and_version_go_to_standard_output() {
         "--integrator",
         "SCENE.json",
         "check",
+        "compare",
     ] {
         assert!(help.out.contains(option), "{option} in {}", help.out);
     }
@@ -563,6 +564,8 @@ fn variances_are_written_beside_the_colours() {
     assert!(ran.err.contains("warning: --variance: one sample per pixel has no spread"), "{}", ran.err);
     assert!(read("a.exr").variance.unwrap().iter().flatten().all(|v| *v == f32::INFINITY));
     folder.fails(1, &["lit.json", "--variance", "-o", "a.exr", "--strict"], &["--variance: one sample per pixel"]);
+    let ran = folder.ok(&["compare", "a.exr", "a.exr"]);
+    assert!(ran.out.contains("the images are not tested"), "{}", ran.out);
 }
 
 /// Starts a render that would take hours, and waits until it runs.

@@ -1,5 +1,6 @@
 //! The table of verbs and options.
 
+pub use super::args_compare::CompareArgs;
 use super::choices::{Integrator, Method, Quality, Sampler, ToneMap, UpAxis};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, value_parser};
@@ -21,6 +22,7 @@ Examples:
   wavetrace scene.json 256 -o image.png     256 samples per pixel
   wavetrace scene.json 64 -o a.exr -o a.png --size 1920x1080 --stats a.json
   wavetrace check scene.json                are there mistakes, and what is in it?
+  wavetrace compare image.exr reference.exr how far is one from the other?
   wavetrace bench rays mesh.obj             how fast are rays traced?
   wavetrace ./check                         a scene file that is called like a verb
 
@@ -58,6 +60,8 @@ pub struct Cli {
 pub enum Verb {
     /// Load a scene and its meshes; show all mistakes, or what is in it
     Check(CheckArgs),
+    /// Compare an image with a reference: errors, FLIP, a t-test
+    Compare(CompareArgs),
     /// Measure how fast rays are traced
     #[command(
         subcommand,
@@ -281,7 +285,8 @@ fn size(text: &str) -> Result<(u32, u32), String> {
     }
 }
 
-fn exposure(text: &str) -> Result<f32, String> {
+/// A finite number of stops.
+pub fn exposure(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(stops) if stops.is_finite() => Ok(stops),
         _ => Err("expected a finite number of stops, such as -1.5".to_owned()),

@@ -64,7 +64,7 @@ pub fn warn(args: &RenderArgs, console: &Console) {
 }
 
 /// Whether both paths lead to one file, as far as one can tell before it is there.
-fn same_file(a: &Path, b: &Path) -> bool {
+pub fn same_file(a: &Path, b: &Path) -> bool {
     a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b && a.is_file())
 }
 

@@ -25,8 +25,8 @@ pub(super) enum Outcome {
     Unknown,
     /// Exact, and one value.
     Equal,
-    /// Exact, and two values.
-    Unequal,
+    /// Exact as far as the samples tell, and two values; with the p-value.
+    Unequal(f64),
     /// Something to test.
     Noisy(Sums),
 }
@@ -43,11 +43,18 @@ impl Estimate {
         let (difference, variance) = (self.mean - other.mean, self.variance + other.variance);
         if variance == 0.0 {
             let equal = difference.abs() <= EQUAL * self.mean.abs().max(other.mean.abs());
-            return if equal { Outcome::Equal } else { Outcome::Unequal };
+            return if equal { Outcome::Equal } else { Outcome::Unequal(self.chance_of_two_values(other)) };
         }
         let rounding = ROUNDING * (self.mean * self.mean + other.mean * other.mean);
         let spread = |e: &Self| e.variance * e.variance / e.freedom;
         Outcome::Noisy(Sums { pixels: 1, difference, variance, rounding, spread: spread(self) + spread(other) })
+    }
+
+    /// Chance that a samples of a pixel with two values all have one of them, and b all have the other: twice
+    /// p^a (1 - p)^b, at most 2 a^a b^b / (a + b)^(a + b). Few samples along an edge do that.
+    fn chance_of_two_values(&self, other: &Self) -> f64 {
+        let (a, b) = (self.freedom + 1.0, other.freedom + 1.0);
+        if a.is_finite() && b.is_finite() { 2.0 * (a * (a / (a + b)).ln() + b * (b / (a + b)).ln()).exp() } else { 0.0 }
     }
 }
 

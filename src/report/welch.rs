@@ -62,14 +62,15 @@ pub struct Welch {
     pub channels: [Channel; 3],
     /// Pixels and channels without variance in either image, and of one value: not tested.
     pub exact: usize,
-    /// Pixels and channels without variance in either image, and of two values: they differ.
+    /// Pixels and channels without variance in either image, and of two values: they differ, unless few samples may have missed
+    /// one of the two, as they do along an edge.
     pub unequal: usize,
     /// Pixels and channels whose value or variance is not finite in either image: not tested.
     pub unknown: usize,
     /// Level of each test of a square and channel: [`ALPHA`] by Sidak's correction, over three families of tests and then over
     /// the tests of this one.
     pub level: f64,
-    /// Squares with a channel below that level, those with a pixel of `unequal` included.
+    /// Squares with a channel, or a pixel of `unequal`, below that level.
     pub rejected: usize,
     /// The smallest p-value of a square, and its top left pixel; none where nothing was tested.
     pub smallest: Option<(f64, [usize; 2])>,
@@ -158,9 +159,9 @@ pub fn welch(image: Measured<'_>, reference: Measured<'_>, width: usize, side: u
                     match image.estimate(i, k).compare(&reference.estimate(i, k)) {
                         Outcome::Unknown => found.unknown += 1,
                         Outcome::Equal => found.exact += 1,
-                        Outcome::Unequal => {
+                        Outcome::Unequal(p) => {
                             found.unequal += 1;
-                            smallest = 0.0;
+                            smallest = smallest.min(p);
                         }
                         Outcome::Noisy(pixel) => sums.merge(&pixel),
                     }
@@ -296,6 +297,11 @@ mod tests {
         let found = one((1.0, 0.0, None), (1.0 + 4.0 * f32::EPSILON, 0.0, None));
         assert_eq!((found.exact, found.unequal, found.rejected, found.smallest), (0, 3, 1, Some((0.0, [0, 0]))));
         assert!(found.differ());
+        // Few samples may have missed one of two values: 16 and 16 are 2 / 4^16, 2 and 4 are 2 (2/6)^2 (4/6)^4.
+        let found = one((1.0, 0.0, Some(16)), (0.0, 0.0, Some(16)));
+        assert!(found.differ() && (found.smallest.unwrap().0 * 4_f64.powi(16) - 2.0).abs() < 1e-9);
+        let found = one((1.0, 0.0, Some(2)), (0.0, 0.0, Some(4)));
+        assert!(!found.differ() && (found.smallest.unwrap().0 - 32.0 / 729.0).abs() < 1e-12);
         let found = welch(
             Measured { pixels: &[[0.5; 3]], variance: None, samples: None },
             Measured { pixels: &[[0.5; 3]], variance: None, samples: None },
