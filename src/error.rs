@@ -71,6 +71,24 @@ pub enum Error {
         /// What is wrong, and what would do.
         reason: String,
     },
+    /// An image file cannot be understood.
+    #[error("{}: found {found}, expected {expected}", .file.display())]
+    Decode {
+        /// The file at fault.
+        file: PathBuf,
+        /// What was found in it.
+        found: String,
+        /// What is expected instead.
+        expected: String,
+    },
+    /// Images that are compared do not go together.
+    #[error("images: found {found}, expected {expected}")]
+    Images {
+        /// What was found.
+        found: String,
+        /// What is expected instead.
+        expected: String,
+    },
     /// A setting of the render is out of its range.
     #[error("{setting}: found {found}, expected {expected}")]
     Setting {

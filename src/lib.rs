@@ -81,6 +81,7 @@ pub mod material;
 pub mod output;
 pub mod probe;
 pub mod render;
+pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod wave;

@@ -145,6 +145,7 @@ fn help_and_version_go_to_standard_output() {
         "--sampler",
         "--exposure",
         "--tonemap",
+        "--variance",
         "--stats",
         "--explain",
         "--quiet",
@@ -153,6 +154,7 @@ fn help_and_version_go_to_standard_output() {
         "--integrator",
         "SCENE.json",
         "check",
+        "compare",
     ] {
         assert!(help.out.contains(option), "{option} in {}", help.out);
     }
@@ -197,6 +199,8 @@ fn mistakes_in_the_command_line_exit_with_2_and_render_nothing() {
         (&["--wave", "99999999"], "1..="),
         (&["-o", "a.bmp"], "a.bmp: found the ending .bmp"),
         (&["-o", "a"], "a: found no ending"),
+        (&["--variance"], "--variance: found no .exr output, expected one"),
+        (&["--variance", "-o", "a.png", "-o", "a.hdr"], "--variance: found no .exr output"),
         (&["--stats", "lit.json"], "a file of its own"),
         (&["-o", "a.png", "--stats", "a.png"], "a file of its own"),
         (&["--time", "3"], "unexpected argument '--time'"),
@@ -535,6 +539,33 @@ fn explain_shows_what_runs_and_renders_nothing() {
     );
     assert!(line(&folder.ok(&["glass.json", "--explain"]).out, "shade       transparent").starts_with('+'));
     assert_eq!(folder.made(), ["glass.json"]);
+}
+
+#[test]
+fn variances_are_written_beside_the_colours() {
+    let folder = Folder::new();
+    folder.ok(&["lit.json", "8", "--variance", "-o", "a.exr", "-o", "a.png"]);
+    folder.ok(&["lit.json", "8", "-o", "b.exr", "-o", "b.png"]);
+    assert_eq!(read_exr(&folder.path("a.exr")), read_exr(&folder.path("b.exr")), "colours are the same");
+    assert_eq!(read_png(&folder.path("a.png")).1, read_png(&folder.path("b.png")).1);
+    let read = |name: &str| wavetrace::output::read(&folder.path(name)).unwrap();
+    assert_eq!(read("b.exr").variance, None);
+    let (file, variance) = (read("a.exr"), read("a.exr").variance.unwrap());
+    assert_eq!(variance.len(), 16 * 12);
+    // The background is black in all samples, the floor is not.
+    assert!(variance.contains(&[0.0; 3]) && variance.iter().any(|v| v.iter().all(|&c| c > 0.0)));
+    // Eight samples of which at most eight are not 0: the variance of their mean is at most its square.
+    for (value, variance) in file.image.pixels.as_flattened().iter().zip(variance.as_flattened()) {
+        assert!((0.0..=1.001 * value * value).contains(variance), "{value} {variance}");
+    }
+    let ran = folder.ok(&["lit.json", "8", "--variance", "-o", "a.exr", "--sampler", "sobol"]);
+    assert!(ran.err.contains("warning: --variance: with `--sampler sobol` samples are not independent"), "{}", ran.err);
+    let ran = folder.ok(&["lit.json", "--variance", "-o", "a.exr"]);
+    assert!(ran.err.contains("warning: --variance: one sample per pixel has no spread"), "{}", ran.err);
+    assert!(read("a.exr").variance.unwrap().iter().flatten().all(|v| *v == f32::INFINITY));
+    folder.fails(1, &["lit.json", "--variance", "-o", "a.exr", "--strict"], &["--variance: one sample per pixel"]);
+    let ran = folder.ok(&["compare", "a.exr", "a.exr"]);
+    assert!(ran.out.contains("the images are not tested"), "{}", ran.out);
 }
 
 /// Starts a render that would take hours, and waits until it runs.

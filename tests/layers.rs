@@ -40,6 +40,7 @@ const EXCEPTIONS: &[(&str, &str)] = &[];
 const ONLY: &[(&str, &[&str])] = &[
     ("accel", &["lanes", "columns", "ids", "error", "probe"]),
     ("scene", &["error", "world", "camera", "linear"]),
+    ("report", &["error"]),
     ("bench", &["lanes", "columns", "linear", "error", "sampling", "world", "accel", "scene", "output"]),
 ];
 
@@ -57,6 +58,9 @@ const LIBRARIES: &[(&str, &[&str])] = &[
     ("exr", &["output/"]),
     ("png", &["output/"]),
     ("rand_xoshiro", &["sampling/xoshiro.rs"]),
+    // Of material/mod.rs its test module alone.
+    ("statrs", &["report/student.rs", "material/mod.rs"]),
+    ("colorous", &["report/heatmap.rs"]),
     ("clap", &["cli/", "main.rs"]),
     ("indicatif", &["cli/"]),
     ("ctrlc", &["cli/"]),

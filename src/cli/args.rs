@@ -1,6 +1,8 @@
 //! The table of verbs and options.
 
+pub use super::args_compare::CompareArgs;
 use super::choices::{Integrator, Method, Quality, Sampler, ToneMap, UpAxis};
+use super::values::{exposure, light_paths, size};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, value_parser};
 use std::path::PathBuf;
@@ -8,10 +10,9 @@ use std::sync::LazyLock;
 use wavetrace::DVec3;
 use wavetrace::accel::BuildOptions;
 use wavetrace::bench::{Kernel, Options, SetKind, View};
-use wavetrace::camera::Camera;
 use wavetrace::lanes;
 use wavetrace::output::Tone;
-use wavetrace::render::{DEFAULT_LIGHT_PATHS, DEFAULT_WAVE, MAX_LIGHT_PATHS, MAX_THREADS, MAX_WAVE, Settings};
+use wavetrace::render::{DEFAULT_LIGHT_PATHS, DEFAULT_WAVE, MAX_THREADS, MAX_WAVE, Settings};
 
 static VERSION: LazyLock<String> = LazyLock::new(|| format!("{} (SIMD: {})", env!("CARGO_PKG_VERSION"), lanes::simd()));
 
@@ -21,6 +22,7 @@ Examples:
   wavetrace scene.json 256 -o image.png     256 samples per pixel
   wavetrace scene.json 64 -o a.exr -o a.png --size 1920x1080 --stats a.json
   wavetrace check scene.json                are there mistakes, and what is in it?
+  wavetrace compare image.exr reference.exr how far is one from the other?
   wavetrace bench rays mesh.obj             how fast are rays traced?
   wavetrace ./check                         a scene file that is called like a verb
 
@@ -58,6 +60,8 @@ pub struct Cli {
 pub enum Verb {
     /// Load a scene and its meshes; show all mistakes, or what is in it
     Check(CheckArgs),
+    /// Compare an image with a reference: errors, FLIP, a t-test
+    Compare(CompareArgs),
     /// Measure how fast rays are traced
     #[command(
         subcommand,
@@ -187,6 +191,9 @@ pub struct RenderArgs {
     pub size: Option<(u32, u32)>,
     #[arg(short, long, value_name = "FILE", help_heading = "Image", help = OUTPUT_HELP)]
     pub output: Vec<PathBuf>,
+    /// Write the variances of the pixels' means too, into .exr files
+    #[arg(long, help_heading = "Image")]
+    pub variance: bool,
     /// Exposure of 8-bit images, in stops
     #[arg(long, value_name = "EV", default_value = "0", value_parser = exposure, allow_hyphen_values = true,
         help_heading = "Image")]
@@ -273,32 +280,6 @@ impl RenderArgs {
     }
 }
 
-/// `WxH` within the limits of an image.
-fn size(text: &str) -> Result<(u32, u32), String> {
-    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse::<u64>().ok()?, h.parse::<u64>().ok()?)));
-    let (width, height) = sides.ok_or("expected width x height in pixels, such as 640x480")?;
-    let (side, pixels) = (Camera::MAX_SIDE, Camera::MAX_PIXELS);
-    let fits = |side_given| (1..=u64::from(side)).contains(&side_given);
-    match (u32::try_from(width), u32::try_from(height)) {
-        (Ok(w), Ok(h)) if fits(width) && fits(height) && width * height <= pixels => Ok((w, h)),
-        _ => Err(format!("expected 1 to {side} pixels each way and at most {pixels} in all")),
-    }
-}
-
-fn light_paths(text: &str) -> Result<f32, String> {
-    match text.parse::<f32>() {
-        Ok(share) if (0.0..=MAX_LIGHT_PATHS).contains(&share) => Ok(share),
-        _ => Err(format!("expected a number from 0 to {MAX_LIGHT_PATHS}")),
-    }
-}
-
-fn exposure(text: &str) -> Result<f32, String> {
-    match text.parse::<f32>() {
-        Ok(stops) if stops.is_finite() => Ok(stops),
-        _ => Err("expected a finite number of stops, such as -1.5".to_owned()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -307,19 +288,6 @@ mod tests {
     #[test]
     fn the_table_is_consistent() {
         Cli::command().debug_assert();
-    }
-
-    #[test]
-    fn sizes() {
-        assert_eq!(size("640x480"), Ok((640, 480)));
-        assert_eq!(size("1X65536"), Ok((1, 65536)));
-        assert_eq!(size("16384x16384"), Ok((16384, 16384)));
-        for wrong in ["0x5", "5x0", "16384x16385", "65537x1", "18446744073709551616x1"] {
-            assert!(size(wrong).is_err(), "{wrong}");
-        }
-        for wrong in ["", "x", "5", "5x", "x5", "-1x5", "5x5x5", "5 x 5", "5.0x5", "1e3x5"] {
-            assert!(size(wrong).unwrap_err().contains("such as 640x480"), "{wrong}");
-        }
     }
 
     #[test]

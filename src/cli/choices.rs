@@ -71,6 +71,21 @@ pub enum UpAxis {
     Z,
 }
 
+/// How far images are apart, `--metric`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Metric {
+    /// Mean of (A - B)^2 / (B^2 + 0.01)
+    Relmse,
+    /// Mean of (A - B)^2
+    Mse,
+    /// -10 log10(MSE), in dB
+    Psnr,
+    /// How visible the differences are, from 0 to 1
+    Flip,
+    /// Mean luminance and channels of both
+    Mean,
+}
+
 /// The word that stands for a choice.
 pub fn word(choice: impl ValueEnum) -> String {
     choice.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())

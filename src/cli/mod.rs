@@ -1,10 +1,13 @@
 //! The command line. All that the program prints is printed here; the library is silent.
 
 mod args;
+mod args_compare;
 mod bench_rays;
 mod check;
 mod choices;
 mod closing;
+mod compare;
+mod comparison;
 mod explain;
 mod interrupt;
 mod load;
@@ -14,6 +17,7 @@ mod progress;
 mod render;
 mod stats;
 mod units;
+mod values;
 
 use args::{Bench, Cli, Verb};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
@@ -63,6 +67,7 @@ fn plain_error(error: clap::Error) -> clap::Error {
 pub fn run(command: &Cli) -> Exit {
     let result = match (&command.verb, &command.render) {
         (Some(Verb::Check(args)), _) => check::run(args),
+        (Some(Verb::Compare(args)), _) => compare::run(args),
         (Some(Verb::Bench(Bench::Rays(args))), _) => bench_rays::run(args),
         (None, Some(args)) if args.explain => explain::run(args),
         (None, Some(args)) => render::run(args),

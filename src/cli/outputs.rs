@@ -6,7 +6,8 @@ use super::messages::Console;
 use std::env;
 use std::path::{Path, PathBuf};
 use wavetrace::error::{Error, Result as LibraryResult};
-use wavetrace::output::{self, Format, Image, Metadata, Tone};
+use wavetrace::output::{self, Format, Layers, Metadata, Tone};
+use wavetrace::render::SamplerKind;
 
 /// What came of writing.
 pub struct Written {
@@ -41,17 +42,35 @@ pub fn check(args: &RenderArgs, console: &Console) -> Result<(), Exit> {
             wrong(&error, Exit::Fault);
         }
     }
+    if args.variance && !args.output.iter().any(|path| Format::from_path(path).is_ok_and(|f| f == Format::Exr)) {
+        let (setting, found) = ("--variance", "no .exr output".to_owned());
+        wrong(&Error::Setting { setting, found, expected: "one, such as `-o image.exr`".to_owned() }, Exit::Usage);
+    }
     exit.map_or(Ok(()), Err)
 }
 
+/// Says where the variances are not what one might take them for.
+pub fn warn(args: &RenderArgs, console: &Console) {
+    let settings = args.settings();
+    if args.variance && settings.sampler == SamplerKind::Sobol {
+        console.warn(
+            "--variance: with `--sampler sobol` samples are not independent, and their spread overestimates the variance \
+             of the mean",
+        );
+    }
+    if args.variance && settings.spp == 1 {
+        console.warn("--variance: one sample per pixel has no spread, all variances are infinite");
+    }
+}
+
 /// Whether both paths lead to one file, as far as one can tell before it is there.
-fn same_file(a: &Path, b: &Path) -> bool {
+pub fn same_file(a: &Path, b: &Path) -> bool {
     a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b && a.is_file())
 }
 
 /// Writes the image to each file that the user named, or to a new one. One that fails does not keep the others from
 /// being written; if all do, the image goes to where it can.
-pub fn write(args: &RenderArgs, image: &Image, metadata: &Metadata, console: &Console) -> Written {
+pub fn write(args: &RenderArgs, image: Layers<'_>, metadata: &Metadata, console: &Console) -> Written {
     let (wanted, tone) = (&args.output, args.tone());
     let mut written = Written { files: Vec::new(), complete: true };
     let mut keep = |result: LibraryResult<PathBuf>| match result {
@@ -74,7 +93,7 @@ pub fn write(args: &RenderArgs, image: &Image, metadata: &Metadata, console: &Co
 }
 
 /// A finished image must not be lost because its file cannot be written.
-fn rescue(args: &RenderArgs, image: &Image, metadata: &Metadata, tone: &Tone, console: &Console) {
+fn rescue(args: &RenderArgs, image: Layers<'_>, metadata: &Metadata, tone: &Tone, console: &Console) {
     let format = args.output.first().and_then(|path| Format::from_path(path).ok());
     let ending = match format {
         Some(Format::Exr | Format::Hdr) => "exr",

@@ -14,7 +14,7 @@ use super::units::{counted, per_pixel};
 use std::sync::mpsc;
 use std::thread;
 use std::time::{Duration, Instant};
-use wavetrace::output::{self, Metadata};
+use wavetrace::output::{self, Layers, Metadata};
 use wavetrace::render::{Control, Rendered, Renderer, Settings};
 
 /// Seconds that each part of a run took.
@@ -38,6 +38,7 @@ pub fn run(args: &RenderArgs) -> Result<Exit, Exit> {
     let console = Console::new(args.quiet, args.strict);
     let interrupt = Interrupt::listen();
     outputs::check(args, &console)?;
+    outputs::warn(args, &console);
 
     let scene = load(&args.scene, args.size, &console)?;
     let mut times = Times { load: start.elapsed(), ..Times::default() };
@@ -53,7 +54,9 @@ pub fn run(args: &RenderArgs) -> Result<Exit, Exit> {
 
     let write_start = Instant::now();
     let metadata = metadata(args, &settings, &rendered);
-    let Written { files, complete } = outputs::write(args, &rendered.film.image(), &metadata, &console);
+    let (image, variance) = (rendered.film.image(), args.variance.then(|| rendered.film.variances()));
+    let layers = Layers { image: &image, variance: variance.as_deref() };
+    let Written { files, complete } = outputs::write(args, layers, &metadata, &console);
     times.write = write_start.elapsed();
     times.total = start.elapsed();
 

@@ -126,6 +126,10 @@ impl Film {
         let pixels = (0..self.pixels.len()).map(|i| self.mean(i).map(|c| c as f32)).collect();
         Image { width: self.width, height: self.height, pixels }
     }
+    /// Variances of the estimates, in the order of the image's pixels; see [`Self::variance`].
+    pub fn variances(&self) -> Vec<[f32; 3]> {
+        (0..self.pixels.len()).map(|i| self.variance(i).map(|c| c as f32)).collect()
+    }
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         (self.pixels.len() + self.splats.len()) * size_of::<Pixel>()

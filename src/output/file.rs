@@ -8,34 +8,35 @@ use std::{
 
 use tempfile::{Builder, NamedTempFile};
 
-use super::{Format, Image, Metadata, Tone, target::Target};
+use super::{Format, Layers, Metadata, Tone, target::Target};
 use crate::error::{Error, Result};
 
 /// Highest number that [`write_new`] appends.
 const MAX_NUMBER: u32 = 99_999;
 
-/// Writes an image in the format that the ending of `path` names.
+/// Writes an image, or [`Layers`] of one, in the format that the ending of `path` names.
 ///
 /// A file that is there already is replaced in one step once the new one is complete, and keeps its permissions; a
 /// symbolic link is followed. Devices and pipes are written to directly, as PNG where they have no ending.
 ///
 /// # Errors
-/// [`Error::Output`] for an unknown ending, an unusable target or an image whose pixels do not match its size;
+/// [`Error::Output`] for an unknown ending, an unusable target or an image whose pixels or variances do not match its size;
 /// [`Error::Setting`] for an exposure that is not finite; [`Error::Io`] where the system refuses. Nothing is left
 /// behind then, and a file that was there is as it was.
-pub fn write(path: &Path, image: &Image, metadata: &Metadata, tone: &Tone) -> Result<()> {
+pub fn write<'a>(path: &Path, image: impl Into<Layers<'a>>, metadata: &Metadata, tone: &Tone) -> Result<()> {
     let (target, format) = Target::with_format(path)?;
-    check_image(path, image, tone)?;
+    let layers = image.into();
+    check_image(path, layers, tone)?;
     match target {
         Target::Stream => {
             let mut data = Cursor::new(Vec::new());
-            format.encode(image, metadata, tone, &mut data).map_err(|error| error.of(path))?;
+            format.encode(layers, metadata, tone, &mut data).map_err(|error| error.of(path))?;
             let stream = OpenOptions::new().write(true).open(path);
             stream.and_then(|mut stream| stream.write_all(data.get_ref())).map_err(|error| failed(path, error))
         }
         Target::File { path: place, folder, permissions } => {
             let file = temporary(&folder).map_err(|error| failed(path, error))?;
-            fill(&file, format, path, image, metadata, tone)?;
+            fill(&file, format, path, layers, metadata, tone)?;
             replace(file, &place, permissions).map_err(|error| failed(path, error))
         }
     }
@@ -67,8 +68,14 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
 
 /// Writes an image to each path in turn with [`write()`]; one failure does not keep the others from being written.
 /// The results are in the order of `paths`.
-pub fn write_all<P: AsRef<Path>>(paths: &[P], image: &Image, metadata: &Metadata, tone: &Tone) -> Vec<Result<()>> {
-    paths.iter().map(|path| write(path.as_ref(), image, metadata, tone)).collect()
+pub fn write_all<'a, P: AsRef<Path>>(
+    paths: &[P],
+    image: impl Into<Layers<'a>>,
+    metadata: &Metadata,
+    tone: &Tone,
+) -> Vec<Result<()>> {
+    let layers = image.into();
+    paths.iter().map(|path| write(path.as_ref(), layers, metadata, tone)).collect()
 }
 
 /// Writes an image as `name` in the folder `dir`, never over anything that is there: where the name is taken, `-2`,
@@ -76,13 +83,19 @@ pub fn write_all<P: AsRef<Path>>(paths: &[P], image: &Image, metadata: &Metadata
 ///
 /// # Errors
 /// As [`write()`]; also [`Error::Output`] where all names up to `-99999` are taken.
-pub fn write_new(dir: &Path, name: &str, image: &Image, metadata: &Metadata, tone: &Tone) -> Result<PathBuf> {
-    let first = dir.join(name);
+pub fn write_new<'a>(
+    dir: &Path,
+    name: &str,
+    image: impl Into<Layers<'a>>,
+    metadata: &Metadata,
+    tone: &Tone,
+) -> Result<PathBuf> {
+    let (first, layers) = (dir.join(name), image.into());
     let format = Format::from_path(&first)?;
-    check_image(&first, image, tone)?;
+    check_image(&first, layers, tone)?;
     let folder = if dir.as_os_str().is_empty() { Path::new(".") } else { dir };
     let mut file = temporary(folder).map_err(|error| failed(&first, error))?;
-    fill(&file, format, &first, image, metadata, tone)?;
+    fill(&file, format, &first, layers, metadata, tone)?;
     for number in 1..=MAX_NUMBER {
         let path = numbered(&first, number);
         match file.persist_noclobber(&path) {
@@ -118,9 +131,9 @@ fn check_target(path: &Path, target: &Target) -> Result<()> {
     }
 }
 
-fn check_image(path: &Path, image: &Image, tone: &Tone) -> Result<()> {
+fn check_image(path: &Path, layers: Layers<'_>, tone: &Tone) -> Result<()> {
     tone.check()?;
-    match image.flaw() {
+    match layers.flaw() {
         Some(reason) => Err(Error::Output { file: path.to_owned(), reason }),
         None => Ok(()),
     }
@@ -147,12 +160,12 @@ fn fill(
     file: &NamedTempFile,
     format: Format,
     path: &Path,
-    image: &Image,
+    layers: Layers<'_>,
     metadata: &Metadata,
     tone: &Tone,
 ) -> Result<()> {
     let mut sink = BufWriter::new(file.as_file());
-    format.encode(image, metadata, tone, &mut sink).map_err(|error| error.of(path))?;
+    format.encode(layers, metadata, tone, &mut sink).map_err(|error| error.of(path))?;
     sink.flush().and_then(|()| file.as_file().sync_all()).map_err(|error| failed(path, error))
 }
 

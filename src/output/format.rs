@@ -5,7 +5,7 @@ use std::{
     path::Path,
 };
 
-use super::{Image, Metadata, Tone, exr, hdr, png, ppm};
+use super::{Layers, Metadata, Tone, exr, hdr, png, ppm};
 use crate::error::{Error, Result};
 
 /// An image file format.
@@ -15,7 +15,7 @@ pub enum Format {
     Png,
     /// `.ppm`: 8-bit sRGB, uncompressed.
     Ppm,
-    /// `.exr`: 32-bit float, linear, lossless; ignores [`Tone`].
+    /// `.exr`: 32-bit float, linear, lossless; ignores [`Tone`], and alone holds variances.
     Exr,
     /// `.hdr`: 8-bit mantissas with a shared exponent, linear; ignores [`Tone`].
     Hdr,
@@ -44,16 +44,16 @@ impl Format {
     /// Writes a whole file into `sink`, which must stand at its start. The image must have no flaw.
     pub(super) fn encode<W: Write + Seek>(
         self,
-        image: &Image,
+        layers: Layers<'_>,
         metadata: &Metadata,
         tone: &Tone,
         sink: &mut W,
     ) -> std::result::Result<(), EncodeError> {
         match self {
-            Self::Png => png::encode(image, metadata, tone, sink),
-            Self::Ppm => ppm::encode(image, metadata, tone, sink),
-            Self::Exr => exr::encode(image, metadata, sink),
-            Self::Hdr => hdr::encode(image, metadata, sink),
+            Self::Png => png::encode(layers.image, metadata, tone, sink),
+            Self::Ppm => ppm::encode(layers.image, metadata, tone, sink),
+            Self::Exr => exr::encode(layers, metadata, sink),
+            Self::Hdr => hdr::encode(layers.image, metadata, sink),
         }
     }
 }
@@ -87,6 +87,7 @@ impl From<io::Error> for EncodeError {
 mod tests {
     use std::io::{Cursor, SeekFrom};
 
+    use super::super::Image;
     use super::*;
 
     const ALL: [Format; 4] = [Format::Png, Format::Ppm, Format::Exr, Format::Hdr];
@@ -126,7 +127,9 @@ mod tests {
         for format in ALL {
             let encode = |free| {
                 let mut disk = Disk { data: Cursor::default(), free };
-                format.encode(&image(), &metadata, &Tone::default(), &mut disk).map(|()| disk.data.into_inner().len())
+                format
+                    .encode((&image()).into(), &metadata, &Tone::default(), &mut disk)
+                    .map(|()| disk.data.into_inner().len())
             };
             let size = encode(u64::MAX).expect("an endless disk") as u64;
             assert_eq!(encode(size).expect("a disk that just suffices") as u64, size);
@@ -146,7 +149,7 @@ mod tests {
         for format in ALL {
             let encode = || {
                 let mut data = Cursor::new(Vec::new());
-                format.encode(&image(), &metadata, &Tone::default(), &mut data).expect("memory suffices");
+                format.encode((&image()).into(), &metadata, &Tone::default(), &mut data).expect("memory suffices");
                 data.into_inner()
             };
             let first = encode();

@@ -15,6 +15,25 @@ pub struct Metadata {
 }
 
 impl Metadata {
+    /// From the entries of a file.
+    pub(super) fn from_entries(entries: impl IntoIterator<Item = (String, String)>) -> Self {
+        let (partial, entries): (Vec<_>, Vec<_>) = entries.into_iter().partition(|(key, _)| key == PARTIAL);
+        Self { entries, partial: partial.iter().any(|(_, value)| value == "true") }
+    }
+
+    /// From the lines of a header, as [`Self::lines`] makes them; what is no `key=value` is left out.
+    pub(super) fn from_lines<'a>(lines: impl IntoIterator<Item = &'a [u8]>) -> Self {
+        let lines = lines.into_iter().map(String::from_utf8_lossy);
+        let pairs = lines.filter_map(|line| line.split_once('=').map(|(k, v)| (k.to_owned(), v.to_owned())));
+        Self::from_entries(pairs)
+    }
+
+    /// The value of an entry.
+    #[must_use]
+    pub fn get(&self, key: &str) -> Option<&str> {
+        self.entries.iter().rev().find(|entry| entry.0 == key).map(|entry| entry.1.as_str())
+    }
+
     /// The entries as a format can hold them, [`PARTIAL`] last. A key that the format reserves for itself gets the
     /// prefix `wavetrace:`.
     pub(super) fn named(&self, reserved: impl Fn(&str) -> bool) -> Vec<(String, String)> {

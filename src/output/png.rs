@@ -1,10 +1,18 @@
-//! PNG: 8-bit sRGB, said so in an sRGB chunk; metadata as text chunks. The only file that names the crate `png`.
+//! PNG: 8-bit sRGB, said so in an sRGB chunk; metadata as text chunks. All kinds are read. The only file that names the
+//! crate `png`.
 
-use std::io::Write;
+use std::io::{Cursor, ErrorKind, Write};
 
-use png::{BitDepth, ColorType, Encoder, EncodingError, SrgbRenderingIntent};
+use png::{
+    BitDepth, ColorType, Decoder, DecodingError, Encoder, EncodingError, Info, SrgbRenderingIntent, Transformations,
+};
 
-use super::{Image, Metadata, Tone, format::EncodeError};
+use super::read::{DecodeError, Decoded, ImageFile, check_size};
+use super::tone::linear;
+use super::{Format, Image, Metadata, Tone, format::EncodeError};
+
+/// More than this many bytes do not come out of one byte of DEFLATE's.
+const MOST_PER_BYTE: usize = 1032;
 
 pub(super) fn encode(
     image: &Image,
@@ -35,6 +43,104 @@ impl From<EncodingError> for EncodeError {
         match error {
             EncodingError::IoError(source) => Self::Io(source),
             other => Self::Format(other.to_string()),
+        }
+    }
+}
+
+/// Reads any PNG: 1 to 16 bits, grey, colour or palette, interlaced or not; alpha is left out. Of an animation the default
+/// image.
+///
+/// What is encoded how is said by the cICP chunk (sRGB and linear are known), else by a gAMA chunk other than sRGB's 1/2.2;
+/// else it is sRGB. Colour profiles and primaries are not heeded, and remarked on.
+pub(super) fn decode(bytes: &[u8]) -> Decoded {
+    let mut decoder = Decoder::new(Cursor::new(bytes));
+    decoder.set_transformations(Transformations::EXPAND);
+    let header = decoder.read_header_info()?;
+    let (width, height) = check_size(header.width.into(), header.height.into())?;
+    let least = header.raw_bytes() / MOST_PER_BYTE;
+    if bytes.len() < least {
+        let expected = format!("at least {least} for an image of {width}x{height} pixels");
+        return Err(DecodeError::new(format!("{} bytes", bytes.len()), expected));
+    }
+    let mut reader = decoder.read_info()?;
+    let mut codes = vec![0; reader.output_buffer_size().unwrap_or(0)];
+    reader.next_frame(&mut codes)?;
+    // Text may come behind the pixels.
+    reader.finish()?;
+    let (color, depth) = reader.output_color_type();
+    let mut remarks = Vec::new();
+    let table = table(depth, &Transfer::of(reader.info(), &mut remarks)?);
+    let samples: Vec<f32> = match depth {
+        BitDepth::Sixteen => {
+            let (pairs, _) = codes.as_chunks();
+            pairs.iter().map(|&pair| table[usize::from(u16::from_be_bytes(pair))]).collect()
+        }
+        _ => codes.iter().map(|&code| table[usize::from(code)]).collect(),
+    };
+    let grey = matches!(color, ColorType::Grayscale | ColorType::GrayscaleAlpha);
+    let pixels = samples.chunks_exact(color.samples());
+    let pixels = pixels.map(|pixel| if grey { [pixel[0]; 3] } else { [pixel[0], pixel[1], pixel[2]] }).collect();
+    let image = Image { width, height, pixels };
+    Ok(ImageFile { format: Format::Png, image, variance: None, metadata: texts(reader.info()), remarks })
+}
+
+/// How codes stand for light.
+enum Transfer {
+    Srgb,
+    /// Light is the code to this power.
+    Power(f64),
+}
+
+impl Transfer {
+    fn of(info: &Info<'_>, remarks: &mut Vec<String>) -> Result<Self, DecodeError> {
+        if let Some(cicp) = &info.coding_independent_code_points {
+            if cicp.color_primaries != 1 {
+                remarks.push("its primaries are taken as Rec. 709".to_owned());
+            }
+            return match cicp.transfer_function {
+                8 => Ok(Self::Power(1.0)),
+                13 => Ok(Self::Srgb),
+                other => Err(DecodeError::new(format!("transfer function {other} (cICP)"), "13 (sRGB) or 8 (linear)")),
+            };
+        }
+        if info.icc_profile.is_some() {
+            remarks.push("its colour profile is not heeded, it is taken as sRGB".to_owned());
+            return Ok(Self::Srgb);
+        }
+        match info.gama_chunk.map(|gamma| f64::from(gamma.into_value())) {
+            Some(gamma) if info.srgb.is_none() && gamma > 0.0 && (gamma * 2.2 - 1.0).abs() > 0.01 => {
+                Ok(Self::Power(1.0 / gamma))
+            }
+            _ => Ok(Self::Srgb),
+        }
+    }
+}
+
+/// Light by code.
+fn table(depth: BitDepth, transfer: &Transfer) -> Vec<f32> {
+    let top = if depth == BitDepth::Sixteen { u16::MAX } else { u16::from(u8::MAX) };
+    let light = |code: u16| {
+        let encoded = f64::from(code) / f64::from(top);
+        match transfer {
+            Transfer::Srgb => linear(encoded),
+            Transfer::Power(power) => encoded.powf(*power),
+        }
+    };
+    (0..=top).map(|code| light(code) as f32).collect()
+}
+
+fn texts(info: &Info<'_>) -> Metadata {
+    let latin = info.uncompressed_latin1_text.iter().map(|chunk| (chunk.keyword.clone(), Some(chunk.text.clone())));
+    let packed = info.compressed_latin1_text.iter().map(|chunk| (chunk.keyword.clone(), chunk.get_text().ok()));
+    let utf8 = info.utf8_text.iter().map(|chunk| (chunk.keyword.clone(), chunk.get_text().ok()));
+    Metadata::from_entries(latin.chain(packed).chain(utf8).filter_map(|(key, text)| Some((key, text?))))
+}
+
+impl From<DecodingError> for DecodeError {
+    fn from(error: DecodingError) -> Self {
+        match error {
+            DecodingError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => Self::truncated("PNG"),
+            other => Self::new(format!("damage: {other}"), "a whole PNG image"),
         }
     }
 }

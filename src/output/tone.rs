@@ -1,4 +1,4 @@
-//! From linear radiance to 8-bit sRGB, for PNG and PPM.
+//! From linear radiance to 8-bit sRGB and back, for PNG and PPM.
 
 use super::Image;
 use crate::error::{Error, Result};
@@ -64,9 +64,21 @@ fn quantize(radiance: f64, scale: f64) -> u8 {
     (srgb(linear.clamp(0.0, 1.0)) * 255.0).round() as u8
 }
 
+/// The image that [`Tone::to_srgb8`] shows by these codes: 8-bit sRGB, row by row from the top left.
+#[must_use]
+pub fn from_srgb8(width: u32, height: u32, codes: &[[u8; 3]]) -> Image {
+    let light = |code: u8| linear(f64::from(code) / 255.0) as f32;
+    Image { width, height, pixels: codes.iter().map(|pixel| pixel.map(light)).collect() }
+}
+
 /// The transfer function of IEC 61966-2-1, from linear in [0, 1] to encoded in [0, 1].
 fn srgb(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// The same backwards: from encoded to linear, both in [0, 1].
+pub(super) fn linear(encoded: f64) -> f64 {
+    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
 #[cfg(test)]
@@ -116,6 +128,16 @@ mod tests {
     fn max_ignores_all_of_a_broken_pixel() {
         let image = Image { width: 2, height: 1, pixels: vec![[f32::NAN, 1e9, 0.0], [1.0, 0.5, 0.0]] };
         assert_eq!(tone(0.0, ToneMap::Max).to_srgb8(&image), [0, 255, 0, 255, 188, 0]);
+    }
+
+    #[test]
+    fn what_was_shown_is_read_back() {
+        for code in 0..=255_u8 {
+            assert_eq!(quantize(linear(f64::from(code) / 255.0), 1.0), code);
+            assert_eq!(Tone::default().to_srgb8(&from_srgb8(1, 1, &[[code, 7, 255]])), [code, 7, 255]);
+        }
+        // The two branches meet where the standard's rounded numbers let them.
+        assert!((linear(0.040_45) - linear(0.040_450_001)).abs() < 1e-7);
     }
 
     #[test]
