@@ -484,6 +484,26 @@ fn stats_are_complete_and_consistent() {
     assert_eq!(stages[1]["items"].as_u64().unwrap(), n("/rays/camera") + n("/rays/bounce"));
 }
 
+/// Light that no connection can find is announced before the render, by `check` too, and not where there is none.
+#[test]
+fn what_is_left_to_chance_is_said_before_rendering() {
+    let folder = Folder::new();
+    let scene = |name: &str| format!("{}/scenes/{name}", env!("CARGO_MANIFEST_DIR"));
+    let (glass, plain) = (scene("cornell-balls.json"), scene("cornell.json"));
+    let seen = "where these are seen in a mirror or through glass";
+    assert!(folder.ok(&["check", &glass]).out.contains(seen));
+    assert!(folder.ok(&["check", &plain]).out.contains("by chance  no light"));
+    let render = |scene: &str, more: &[&str]| {
+        let mut args = vec![scene, "1", "--size", "8x8", "-o", "a.png"];
+        args.extend(more);
+        folder.ok(&args).err
+    };
+    assert!(render(&glass, &[]).contains(seen));
+    let all = render(&glass, &["--light-paths", "0"]);
+    assert!(all.contains("by chance alone: all light that mirrors or glass focus"), "{all}");
+    assert!(!render(&plain, &[]).contains("by chance"));
+}
+
 #[test]
 fn check_shows_what_is_in_a_scene() {
     let folder = Folder::new();

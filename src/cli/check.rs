@@ -6,6 +6,8 @@ use super::load::{Scene, load};
 use super::messages::Console;
 use super::units::{count, counted, short};
 use wavetrace::material::Kind;
+use wavetrace::render::Settings;
+use wavetrace::wave::Plan;
 use wavetrace::world::World;
 
 /// Checks a scene.
@@ -28,10 +30,18 @@ pub fn run(args: &CheckArgs) -> Result<Exit, Exit> {
         ("lights", lights(&world)),
         ("materials", materials(&world)),
         ("bounds", bounds(&world)),
+        ("by chance", by_chance(&world)),
     ];
     let rows: Vec<String> = rows.iter().map(|(name, text)| format!("  {name:<10} {text}")).collect();
     console.answer(format_args!("{}: no mistakes\n{}", args.scene.display(), rows.join("\n")))?;
     Ok(Exit::Done)
+}
+
+/// Light that a render by default finds only where a path happens to hit a lamp.
+fn by_chance(world: &World) -> String {
+    let Settings { method, max_depth, wave_size, light_paths, .. } = Settings::default();
+    let plan = Plan::new(world, method, max_depth, wave_size, light_paths);
+    plan.left_to_chance().unwrap_or("no light").to_owned()
 }
 
 fn point(p: impl Into<[f64; 3]>) -> String {

@@ -82,6 +82,9 @@ fn announce(args: &RenderArgs, renderer: &Renderer, settings: &Settings, console
         per_pixel(settings.spp),
         counted(world.triangles() as u64, "triangle"),
     ));
+    if let Some(light) = renderer.plan(settings).ok().and_then(|plan| plan.left_to_chance()) {
+        console.note(format_args!("found by chance alone: {light}; expect bright dots"));
+    }
 }
 
 /// Renders while another thread shows how far it is.

@@ -97,6 +97,20 @@ impl Plan {
     pub fn caustics(&self) -> bool {
         self.light_paths > 0.0
     }
+    /// Light of the scene that this plan finds only where a path happens to hit a lamp, in words; such light shows as bright
+    /// dots until there are very many samples, most of all where lamps are small.
+    pub fn left_to_chance(&self) -> Option<&'static str> {
+        let focuses = self.kinds.iter().any(|kind| kind.is_delta());
+        let receives = self.kinds.iter().any(|kind| !kind.is_delta());
+        match (self.emit && focuses && receives && self.max_depth > 1, self.method) {
+            (false, _) => None,
+            (true, Method::Path) => None,
+            (true, _) if self.caustics() => Some(
+                "light that mirrors or glass focus on other surfaces, where these are seen in a mirror or through glass",
+            ),
+            (true, _) => Some("all light that mirrors or glass focus on other surfaces"),
+        }
+    }
     /// The plan of light paths: they meet the same surfaces, and connect to the camera.
     pub fn of_light_paths(&self) -> Self {
         Self { emit: false, escape: false, receivers: false, light_paths: 0.0, transmit: true, ..self.clone() }
@@ -151,6 +165,15 @@ impl fmt::Display for Plan {
                 (true, _) => "a shadow ray per hit on a finite lobe, in streams and many in flight",
                 (false, Method::Path) => "method path",
                 (false, _) => "no light, or no surface that could be connected to one",
+            },
+        )?;
+        line(
+            self.caustics(),
+            "light paths",
+            if self.caustics() {
+                "from lamps towards mirrors and glass, connected to the camera"
+            } else {
+                "nothing to focus light, or none asked for"
             },
         )?;
         line(true, "compact", "and regenerate")?;
