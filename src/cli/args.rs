@@ -1,6 +1,7 @@
 //! The table of verbs and options.
 
 pub use super::args_compare::CompareArgs;
+use super::chart::ChartArgs;
 use super::choices::{Integrator, Method, Quality, Sampler, ToneMap, UpAxis};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, value_parser};
@@ -24,6 +25,7 @@ Examples:
   wavetrace check scene.json                are there mistakes, and what is in it?
   wavetrace compare image.exr reference.exr how far is one from the other?
   wavetrace bench rays mesh.obj             how fast are rays traced?
+  wavetrace chart scene.json -o charts      how fast does the error fall?
   wavetrace ./check                         a scene file that is called like a verb
 
 Exit codes: 0 done; 1 the scene or a file is at fault; 2 the command line is; 130 interrupted (what was
@@ -70,6 +72,8 @@ pub enum Verb {
         disable_help_subcommand = true
     )]
     Bench(Bench),
+    /// Chart the error of renders against time and samples
+    Chart(ChartArgs),
 }
 
 /// What `wavetrace bench` measures.
@@ -274,7 +278,7 @@ impl RenderArgs {
 }
 
 /// `WxH` within the limits of an image.
-fn size(text: &str) -> Result<(u32, u32), String> {
+pub fn size(text: &str) -> Result<(u32, u32), String> {
     let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse::<u64>().ok()?, h.parse::<u64>().ok()?)));
     let (width, height) = sides.ok_or("expected width x height in pixels, such as 640x480")?;
     let (side, pixels) = (Camera::MAX_SIDE, Camera::MAX_PIXELS);
