@@ -282,7 +282,7 @@ fn scenes_references_and_folders_at_fault_exit_with_1() {
     let mut args = small(&scene, &[]);
     let last = args.len() - 1;
     args[last] = "file";
-    place.fails(1, &args, &["file/images: cannot make"]);
+    place.fails(1, &args, &["file: found a file, expected a folder"]);
     args[last] = "/proc/none";
     place.fails(1, &args, &["cannot make"]);
     fs::create_dir_all(place.path("taken/index.html")).unwrap();

@@ -29,6 +29,10 @@ impl Folder {
     /// # Errors
     /// [`Error::Io`] or [`Error::Output`] where they cannot.
     pub fn open(root: &Path) -> Result<Self> {
+        if root.exists() && !root.is_dir() {
+            let reason = "found a file, expected a folder".to_owned();
+            return Err(Error::Output { file: root.to_owned(), reason });
+        }
         let folder = Self { root: root.to_owned() };
         let images = folder.root.join("images");
         fs::create_dir_all(&images).map_err(|source| Error::Io { file: images.clone(), action: "make", source })?;
@@ -130,6 +134,8 @@ mod tests {
         let outer = tempfile::tempdir().unwrap();
         fs::write(outer.path().join("file"), "").unwrap();
         let error = Folder::open(&outer.path().join("file")).unwrap_err().to_string();
+        assert!(error.contains("file: found a file, expected a folder"), "{error}");
+        let error = Folder::open(&outer.path().join("file/below")).unwrap_err().to_string();
         assert!(error.contains("cannot make"), "{error}");
         fs::create_dir_all(outer.path().join("a/chart.csv")).unwrap();
         let error = Folder::open(&outer.path().join("a")).unwrap_err().to_string();

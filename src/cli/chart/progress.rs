@@ -103,8 +103,9 @@ impl State {
         }
         let percent = (u128::from(done) * 100 / u128::from(self.total.max(1))) as u64;
         let left = self.forecast.left().map(|left| left.saturating_sub(running));
-        let left = left.map_or_else(String::new, |left| format!("; {} left", rough_time(left)));
-        (percent, format!("{}{left}", self.doing))
+        // First, because a narrow terminal cuts what stands behind.
+        let left = left.map_or_else(String::new, |left| format!("{} left; ", rough_time(left)));
+        (percent, format!("{left}{}", self.doing))
     }
 }
 
@@ -138,7 +139,7 @@ mod tests {
         meter.begin("two".to_owned(), 1, 100, &control);
         let (percent, text) = meter.state().shown(50);
         assert_eq!(percent, 87);
-        assert!(text.starts_with("two; ") && text.ends_with("min left"), "{text}");
+        assert!(text.ends_with("min left; two"), "{text}");
         meter.end();
         assert_eq!(meter.state().shown(100).0, 100);
     }

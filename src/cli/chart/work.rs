@@ -142,12 +142,12 @@ impl Sweep<'_> {
                 continue;
             };
             let doing = format!(
-                "seed {} of {}, {}, {}, {}",
-                task.seed,
-                self.args.seeds,
-                per_pixel(task.spp),
+                "{} {}, {}, seed {} of {}",
                 subject.name,
-                series.label
+                series.label,
+                per_pixel(task.spp),
+                task.seed,
+                self.args.seeds
             );
             state.meter.begin(doing, self.kind(task.scene, task.series), self.samples(task), self.control);
             let (image, time) = self.render(subject, &series.settings, task.spp, task.seed)?;
