@@ -7,6 +7,8 @@ use std::fmt::Write;
 
 /// Pixels that a picture in the split has across at least.
 const SMALLEST: u32 = 480;
+/// Pixels that other pictures are shown with, at least. Smaller ones are enlarged, and show their pixels.
+const THUMBNAIL: u32 = 220;
 
 /// Pictures of a scene at one budget.
 #[derive(Clone, Debug, Default)]
@@ -97,7 +99,8 @@ impl Gallery {
                 escape(&scale.high)
             );
         }
-        out.push_str(r#"<ul class="pictures">"#);
+        let enlarged = if self.width < THUMBNAIL { " enlarged" } else { "" };
+        let _ = write!(out, r#"<ul class="pictures{enlarged}">"#);
         for (picture, [image, heat]) in self.pictures.iter().zip(&entries) {
             let (label, note) = (escape(&picture.label), escape(&picture.note));
             let _ = write!(
@@ -140,8 +143,9 @@ impl Gallery {
         let scene = escape(&self.scene);
         // Small pictures are enlarged by whole pixels.
         let wide = self.width.max(1) * SMALLEST.div_ceil(self.width.max(1));
+        let enlarged = if wide > self.width { " enlarged" } else { "" };
         format!(
-            r#"<div class="viewer" hidden><div class="choices">{left}{right}</div><div class="split" style="max-width:{wide}px;--at:50%"><img alt="" draggable="false"><img alt="" draggable="false"><div class="handle" role="slider" tabindex="0" aria-label="Split of the pictures of {scene}" aria-orientation="horizontal" aria-valuemin="0" aria-valuemax="100" aria-valuenow="50"></div></div></div>"#
+            r#"<div class="viewer" hidden><div class="choices">{left}{right}</div><div class="split{enlarged}" style="max-width:{wide}px;--at:50%"><img alt="" draggable="false"><img alt="" draggable="false"><div class="handle" role="slider" tabindex="0" aria-label="Split of the pictures of {scene}" aria-orientation="horizontal" aria-valuemin="0" aria-valuemax="100" aria-valuenow="50"></div></div></div>"#
         )
     }
 }

@@ -50,7 +50,8 @@ impl Heat {
         let at = |x: u32| f64::from(x) / f64::from(SCALE_WIDTH - 1);
         let bytes: Vec<u8> = (0..SCALE_WIDTH).flat_map(|x| colour(at(x))).collect();
         let colours = output::png_of_rgb8(SCALE_WIDTH, 1, &bytes, &Metadata::default())?;
-        Ok(Scale { colours, low: tick(1, self.high - DECADES, false), high: tick(1, self.high, false) })
+        let label = |power: i32| tick(1, power, (-3..=3).contains(&power));
+        Ok(Scale { colours, low: label(self.high - DECADES), high: label(self.high) })
     }
     /// The colours of the ends beyond the range; white where there is no number.
     fn colour(&self, error: f64) -> [u8; 3] {
@@ -93,7 +94,7 @@ mod tests {
         assert_eq!(Heat::of([&reference], &reference), Heat { high: 0 });
         assert_eq!(Heat::of([], &reference), Heat { high: 0 });
         let scale = Heat { high: -1 }.scale().unwrap();
-        assert_eq!((scale.low.as_str(), scale.high.as_str()), ("10⁻⁶", "10⁻¹"));
+        assert_eq!((scale.low.as_str(), scale.high.as_str()), ("10⁻⁶", "0.1"));
     }
 
     #[test]
