@@ -31,7 +31,6 @@ pub use figures::{Figures, Reach, figures};
 pub use folder::{Folder, Kept};
 pub use forecast::Forecast;
 pub use gallery::{Gallery, Picture, Scale};
-pub use heat::Heat;
 pub use import::Imported;
 pub use legend::Legend;
 pub use machine::{Build, Machine};

@@ -10,7 +10,7 @@ use std::fs;
 use wavetrace::chart::number::figure;
 use wavetrace::chart::sweep::{Ladder, REFERENCE_SEEDS, common};
 use wavetrace::chart::{
-    Gallery, Heat, Imported, Legend, Metric, Page, Picture, Reference, ReferenceSetup, Row, Setup, curves, draw, raster,
+    Gallery, Imported, Legend, Metric, Page, Picture, Reference, ReferenceSetup, Row, Setup, curves, draw, heat, raster,
 };
 use wavetrace::error::Result as LibraryResult;
 use wavetrace::output::{self, Metadata, Tone};
@@ -85,10 +85,7 @@ fn galleries(results: &Results<'_>) -> LibraryResult<Vec<Gallery>> {
         (gallery.width, gallery.height) = subject.size();
         gallery.caption = format!("{}, seed {SHOWN_SEED}", per_pixel(spp));
         let shown = sweep.series.iter().enumerate();
-        let shown: Vec<_> =
-            shown.filter_map(|(k, series)| Some((&series.label, outcome.pictures.get(&(i, k))?))).collect();
-        let heat = Heat::of(shown.iter().map(|(_, image)| *image), reference.image());
-        for (label, image) in shown {
+        for (label, image) in shown.filter_map(|(k, series)| Some((&series.label, outcome.pictures.get(&(i, k))?))) {
             let of_image = |row: &&Row| {
                 let what = (&row.scene, &row.label, row.spp, row.seed);
                 what == (&subject.name, label, u64::from(spp), Some(SHOWN_SEED))
@@ -98,11 +95,11 @@ fn galleries(results: &Results<'_>) -> LibraryResult<Vec<Gallery>> {
                 label: label.clone(),
                 note: note.unwrap_or_default(),
                 picture: output::png_bytes(image, &Metadata::default(), &Tone::default())?,
-                heat: heat.map(image, reference.image())?,
+                heat: heat::map(image, reference.image())?,
             });
         }
         gallery.reference = Some(output::png_bytes(reference.image(), &Metadata::default(), &Tone::default())?);
-        gallery.scale = Some(heat.scale()?);
+        gallery.scale = Some(heat::scale()?);
         Ok(gallery)
     };
     sweep.subjects.iter().enumerate().map(of).collect()
