@@ -70,6 +70,7 @@
 pub mod accel;
 pub mod bench;
 pub mod camera;
+pub mod chart;
 pub mod columns;
 pub mod error;
 pub mod film;

@@ -1,6 +1,7 @@
 //! The table of verbs and options.
 
 pub use super::args_compare::CompareArgs;
+use super::chart::ChartArgs;
 use super::choices::{Integrator, Method, Quality, Sampler, ToneMap, UpAxis};
 use super::values::{exposure, light_paths, size};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -24,6 +25,7 @@ Examples:
   wavetrace check scene.json                are there mistakes, and what is in it?
   wavetrace compare image.exr reference.exr how far is one from the other?
   wavetrace bench rays mesh.obj             how fast are rays traced?
+  wavetrace chart scene.json -o charts      how fast does the error fall?
   wavetrace ./check                         a scene file that is called like a verb
 
 Exit codes: 0 done; 1 the scene or a file is at fault; 2 the command line is; 130 interrupted (what was
@@ -70,6 +72,8 @@ pub enum Verb {
         disable_help_subcommand = true
     )]
     Bench(Bench),
+    /// Chart the error of renders against time and samples
+    Chart(ChartArgs),
 }
 
 /// What `wavetrace bench` measures.

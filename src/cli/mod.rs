@@ -3,6 +3,7 @@
 mod args;
 mod args_compare;
 mod bench_rays;
+mod chart;
 mod check;
 mod choices;
 mod closing;
@@ -69,6 +70,7 @@ pub fn run(command: &Cli) -> Exit {
         (Some(Verb::Check(args)), _) => check::run(args),
         (Some(Verb::Compare(args)), _) => compare::run(args),
         (Some(Verb::Bench(Bench::Rays(args))), _) => bench_rays::run(args),
+        (Some(Verb::Chart(args)), _) => chart::run(args),
         (None, Some(args)) if args.explain => explain::run(args),
         (None, Some(args)) => render::run(args),
         (None, None) => Err(Exit::Usage),

@@ -3,6 +3,7 @@
 //! One file per format, each the only one that names its crate. [`write()`] never leaves half a file behind:
 //! it encodes beside the target and then renames. [`read()`] takes what others wrote, too.
 
+mod embed;
 mod exr;
 mod file;
 mod format;
@@ -17,6 +18,7 @@ mod target;
 mod tone;
 
 pub use crate::film::Image;
+pub use embed::{png_bytes, png_of_rgb8};
 pub use file::{check_writable, check_writable_text, write, write_all, write_bytes, write_new, write_text};
 pub use format::Format;
 pub use layers::Layers;

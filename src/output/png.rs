@@ -20,7 +20,17 @@ pub(super) fn encode(
     tone: &Tone,
     sink: &mut impl Write,
 ) -> Result<(), EncodeError> {
-    let mut encoder = Encoder::new(sink, image.width, image.height);
+    encode_rgb8([image.width, image.height], &tone.to_srgb8(image), metadata, sink)
+}
+
+/// `pixels` are three bytes each, `width * height` of them.
+pub(super) fn encode_rgb8(
+    [width, height]: [u32; 2],
+    pixels: &[u8],
+    metadata: &Metadata,
+    sink: &mut impl Write,
+) -> Result<(), EncodeError> {
+    let mut encoder = Encoder::new(sink, width, height);
     encoder.set_color(ColorType::Rgb);
     encoder.set_depth(BitDepth::Eight);
     encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
@@ -33,7 +43,7 @@ pub(super) fn encode(
         }
     }
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(&tone.to_srgb8(image))?;
+    writer.write_image_data(pixels)?;
     writer.finish()?;
     Ok(())
 }
