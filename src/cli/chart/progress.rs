@@ -90,6 +90,10 @@ impl Meter {
             }
         }
         bar.finish_and_clear();
+        // What was under way may have ended sooner than the next look.
+        if control.is_stopped() && !told {
+            plain(STOPPING);
+        }
     }
 }
 
