@@ -33,7 +33,7 @@ pub struct Shaded<L: Lanes> {
     pub connected: L::Mask,
     /// Unit geometric normal where the paths go on, on the side of `wo`.
     pub normal: Vec3<L>,
-    /// Density of the first bounce; see [`First`].
+    /// Density of the first bounce, by which light paths are weighed; infinite where none could be this path's reverse.
     pub first: L,
 }
 
