@@ -99,15 +99,25 @@ impl View {
         let depth = direction.dot(Vec3::splat(self.forward));
         let inverse = one / depth.max(L::splat(f32::MIN_POSITIVE));
         // `right` and `up` are as long as half the image is wide and high at distance 1.
-        let across = |axis: [f32; 3]| {
-            let length2: f32 = axis.iter().map(|c| c * c).sum();
-            direction.dot(Vec3::splat(axis)) * inverse * L::splat(1.0 / length2)
-        };
-        let x = (across(self.right) + one) * L::splat(0.5 * self.size[0] as f32);
-        let y = (one - across(self.up)) * L::splat(0.5 * self.size[1] as f32);
-        let inside = |v: L, size: u32| L::splat(0.0).le(v) & v.lt(L::splat(size as f32));
-        ([x, y], inside(x, self.size[0]) & inside(y, self.size[1]) & depth.gt(L::splat(0.0)))
+        let at = direction * inverse;
+        let [width, height] = self.size.map(|side| side as f32);
+        let x = (share(at, self.right) + one) * L::splat(0.5 * width);
+        let y = (one - share(at, self.up)) * L::splat(0.5 * height);
+        ([x, y], within(x, width) & within(y, height) & depth.gt(L::splat(0.0)))
     }
+}
+
+/// Component of a point along an axis, in lengths of the axis.
+#[inline(always)]
+fn share<L: Lanes>(point: Vec3<L>, axis: [f32; 3]) -> L {
+    let length2: f32 = axis.iter().map(|c| c * c).sum();
+    point.dot(Vec3::splat(axis)) * L::splat(1.0 / length2)
+}
+
+/// Whether a number lies in [0, `size`).
+#[inline(always)]
+fn within<L: Lanes>(v: L, size: f32) -> L::Mask {
+    L::splat(0.0).le(v) & v.lt(L::splat(size))
 }
 
 #[cfg(test)]

@@ -21,7 +21,11 @@ impl Few {
     }
     #[inline(always)]
     fn total<L: Lanes>(&self, from: &Receiver<L>) -> L {
-        (0..self.emitters.len()).fold(L::splat(0.0), |sum, i| sum + self.importance(i, from))
+        let mut total = L::splat(0.0);
+        for i in 0..self.emitters.len() {
+            total = total + self.importance(i, from);
+        }
+        total
     }
     /// Chooses an emitter by a uniform number; also its probability, 0 where no emitter can be of use.
     #[inline(always)]

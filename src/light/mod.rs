@@ -142,14 +142,14 @@ impl Lights {
         size_of_val(&self.emitters[..]) + size_of_val(&self.rows[..]) + size_of_val(&self.seen[..]) + choice
     }
 
-    /// Chooses a point on a light: the emitter by the uniform number that `pick` gives where there is a choice, and the
-    /// point by two others. There must be a light.
+    /// Chooses a point on a light: the emitter by the uniform number `pick`, where there is a choice, and the point by two
+    /// others. There must be a light.
     #[inline(always)]
-    pub fn sample<L: Lanes>(&self, from: &Receiver<L>, pick: impl FnOnce() -> L, u: [L; 2]) -> LightPoint<L> {
+    pub fn sample<L: Lanes>(&self, from: &Receiver<L>, pick: L, u: [L; 2]) -> LightPoint<L> {
         let (number, chance) = match &self.choice {
             Choice::Only => (L::Uint::splat(0), L::splat(1.0)),
-            Choice::Few(few) => few.pick(from, pick()),
-            Choice::Many(tree) => tree.pick(from, pick()),
+            Choice::Few(few) => few.pick(from, pick),
+            Choice::Many(tree) => tree.pick(from, pick),
         };
         self.point_on(number, chance, u)
     }
@@ -323,7 +323,7 @@ mod tests {
             let point = Vec3::from_fn(|i| at(i).point.lane(0));
             let from = Receiver { point, normal: Vec3::from_fn(|i| at(i).normal.lane(0)) };
             let u = |k: u32| W::from_fn(|i| unit(i as u32, k));
-            let p = self.0.sample(&from, || u(0), [u(1), u(2)]);
+            let p = self.0.sample(&from, u(0), [u(1), u(2)]);
             let (_, pdf) = self.0.seen(|i| i % self.0.len(), &from);
             ([p.point.x.array(), p.point.y.array(), p.point.z.array(), p.pdf_area.array()], pdf.array())
         }
@@ -343,7 +343,7 @@ mod tests {
                 for i in 0..8 {
                     let from = receiver(first + i as u32);
                     let u = |k: u32| unit(i as u32, k);
-                    let p = lights.sample(&from, || u(0), [u(1), u(2)]);
+                    let p = lights.sample(&from, u(0), [u(1), u(2)]);
                     let [x, y, z] = p.point.lane(0);
                     assert_eq!(sampled.map(|c| c[i]), [x, y, z, p.pdf_area], "{n} lights");
                     assert_eq!(pdf[i], lights.seen(|_| i % lights.len(), &from).1, "{n} lights");

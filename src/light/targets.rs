@@ -97,7 +97,10 @@ impl Targets {
     #[inline(always)]
     pub fn sample<L: Lanes>(&self, point: Vec3<L>, pick: L, [u, v]: [L; 2]) -> Vec3<L> {
         let zero = L::splat(0.0);
-        let all = self.0.iter().fold(zero, |sum, ball| sum + Cone::about(ball, point).height);
+        let mut all = zero;
+        for ball in &self.0 {
+            all = all + Cone::about(ball, point).height;
+        }
         let threshold = pick * all;
         let mut chosen = Cone { axis: Vec3::splat([0.0, 0.0, 1.0]), height: zero };
         let mut sum = zero;

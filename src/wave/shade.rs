@@ -147,7 +147,11 @@ where
     if plan.connect && !M::DELTA {
         let origin = surface.spawn(L::Mask::splat(false));
         let u = S::draw::<L, 2>(&mut path.rng, Decision::Light, path.depth);
-        let pick = || S::draw::<L, 1>(&mut path.rng, Decision::Pick, path.depth)[0];
+        let pick = if world.lights.depend_on_receiver() {
+            S::draw::<L, 1>(&mut path.rng, Decision::Pick, path.depth)[0]
+        } else {
+            zero
+        };
         let light = world.lights.sample(&Receiver { point: origin, normal: surface.ng }, pick, u);
         let way = light.point - surface.point;
         let distance2 = way.length2();

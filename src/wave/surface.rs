@@ -79,11 +79,8 @@ impl<L: Lanes> Surface<L> {
     #[inline(always)]
     pub fn regular(&self, direction: Vec3<L>, through: L::Mask) -> L::Mask {
         let two = L::splat(2.0);
-        let side = |n: Vec3<L>| {
-            let cos = n.dot(direction);
-            L::select(through, -cos, cos)
-        };
-        let (flat, smooth) = (side(self.ng), side(self.ns));
+        let (flat, smooth) = (self.ng.dot(direction), self.ns.dot(direction));
+        let (flat, smooth) = (L::select(through, -flat, flat), L::select(through, -smooth, smooth));
         // The first: what mirrors the direction in the triangle's plane brings it below the horizon of the other normal.
         let close = smooth.lt(two * flat * self.ng.dot(self.ns)) & flat.lt(two * smooth);
         close & L::splat(MIN_COS).le(smooth) & !self.tilted
