@@ -38,12 +38,12 @@ impl Grid {
     }
     /// How often each tile is visited.
     pub fn visits(&self) -> u32 {
-        self.all_passes().div_ceil(self.passes_per_visit())
+        1 + self.all_passes().saturating_sub(1).div_ceil(self.passes_per_visit())
     }
-    /// The passes of a visit.
+    /// The passes of a visit. The first is one pass, so that a render that is interrupted soon leaves few tiles black.
     pub fn passes(&self, visit: u32) -> std::ops::Range<u32> {
-        let first = visit * self.passes_per_visit();
-        first..(first + self.passes_per_visit()).min(self.all_passes())
+        let begin = |visit: u32| (1 + (visit - 1) * self.passes_per_visit()).min(self.all_passes());
+        if visit == 0 { 0..1 } else { begin(visit)..begin(visit + 1) }
     }
     /// Makes `job` the one of a tile and pass; it keeps its memory.
     pub fn job(&self, tile: usize, pass: u32, job: &mut Job) {
