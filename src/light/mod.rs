@@ -139,7 +139,9 @@ impl Lights {
             Choice::Few(few) => few.bytes(),
             Choice::Many(tree) => tree.bytes(),
         };
-        size_of_val(&self.emitters[..]) + size_of_val(&self.rows[..]) + size_of_val(&self.seen[..]) + choice
+        // Per emitter also its share of the power, and the density with which light paths start on it.
+        let starts = 2 * size_of_val(&self.starts[..]);
+        size_of_val(&self.emitters[..]) + size_of_val(&self.rows[..]) + size_of_val(&self.seen[..]) + starts + choice
     }
 
     /// Chooses a point on a light: the emitter by the uniform number `pick`, where there is a choice, and the point by two
@@ -175,7 +177,7 @@ impl Lights {
         }
     }
     /// Radiance of luminous triangles, by their numbers, and the density per area with which [`Self::sample`] would have
-    /// chosen a point on them from `from`; that is called only where it matters.
+    /// chosen a point on them from `from`.
     #[inline(always)]
     pub fn seen<L: Lanes>(&self, row: impl Fn(usize) -> usize, from: &Receiver<L>) -> (Vec3<L>, L) {
         let seen = |i: usize| self.seen[row(i)];
