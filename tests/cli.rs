@@ -203,8 +203,12 @@ fn mistakes_in_the_command_line_exit_with_2_and_render_nothing() {
         (&["--variance", "-o", "a.png", "-o", "a.hdr"], "--variance: found no .exr output"),
         (&["--stats", "lit.json"], "a file of its own"),
         (&["-o", "a.png", "--stats", "a.png"], "a file of its own"),
-        (&["--time", "3"], "unexpected argument '--time'"),
-        (&["--target-error", "3"], "unexpected argument '--target-error'"),
+        (&["--time", "0"], "more than 0 and at most 1000000"),
+        (&["--time", "-1"], "more than 0"),
+        (&["--time", "x"], "more than 0"),
+        (&["--target-error", "0"], "above 0, such as 0.001"),
+        (&["--target-error", "nan"], "above 0"),
+        (&["3", "--target-error", "0.1"], "--spp: found 3, expected at least 4"),
         (&["--trace", "t.json"], "unexpected argument '--trace'"),
         (&["--no-such-option"], "unexpected argument"),
         (&["4", "5"], "unexpected argument '5'"),
@@ -482,6 +486,41 @@ fn stats_are_complete_and_consistent() {
     }
     // Each ray but the shadow rays is intersected once.
     assert_eq!(stages[1]["items"].as_u64().unwrap(), n("/rays/camera") + n("/rays/bounce"));
+}
+
+#[test]
+fn goals_end_a_render_and_are_told() {
+    let folder = Folder::new();
+    let ran =
+        folder.ok(&["lit.json", "--target-error", "0.02", "--sampler", "sobol", "-o", "a.png", "--stats", "s.json"]);
+    assert!(ran.err.contains("down to a relMSE of 0.02") && ran.err.contains("estimated relMSE "), "{}", ran.err);
+    let stats = folder.json("s.json");
+    assert!(stats["estimated_relmse"].as_f64().is_some_and(|error| error < 0.03), "{stats:#}");
+    let spp = stats["spp"].as_u64().unwrap();
+    assert_eq!(stats["rays"]["camera"].as_u64().unwrap(), 16 * 12 * spp);
+    let text = ("spp".to_owned(), spp.to_string());
+    assert!(png_texts(&read_png(&folder.path("a.png")).0).contains(&text));
+
+    let ran = folder.ok(&["lit.json", "--time", "0.2", "-o", "b.png", "--stats", "t.json"]);
+    assert!(
+        ran.err.contains("for 0.2 s") && !ran.err.contains("partial") && !ran.err.contains("preview"),
+        "{}",
+        ran.err
+    );
+    let stats = folder.json("t.json");
+    assert!(stats["seconds"]["render"].as_f64().is_some_and(|seconds| seconds >= 0.2), "{stats:#}");
+    assert_eq!(
+        (&stats["partial"], &stats["time"], &stats["estimated_relmse"]),
+        (&Value::Bool(false), &0.2.into(), &Value::Null)
+    );
+
+    // The bound on samples holds.
+    let ran = folder.ok(&["lit.json", "8", "--time", "1000", "--target-error", "1e-9", "-o", "c.png"]);
+    assert!(
+        ran.err.contains("at most 8 samples per pixel") && ran.err.contains("c.png: 16x12, 8 samples"),
+        "{}",
+        ran.err
+    );
 }
 
 /// Light that no connection can find is announced before the render, by `check` too, and not where there is none.

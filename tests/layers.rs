@@ -41,7 +41,7 @@ const EXCEPTIONS: &[(&str, &str)] = &[];
 const ONLY: &[(&str, &[&str])] = &[
     ("accel", &["lanes", "columns", "ids", "error", "probe"]),
     ("scene", &["error", "world", "camera", "linear"]),
-    ("report", &["error"]),
+    ("report", &["error", "film"]),
     ("chart", &["lanes", "error", "film", "render", "output", "report"]),
     ("bench", &["lanes", "columns", "linear", "error", "sampling", "world", "accel", "scene", "output"]),
 ];

@@ -1,16 +1,15 @@
 //! The table of verbs and options.
 
+pub use super::args_bench::{Bench, RaysArgs};
 pub use super::args_compare::CompareArgs;
 use super::chart::ChartArgs;
-use super::choices::{Integrator, Method, Quality, Sampler, ToneMap, UpAxis};
-use super::values::{exposure, light_paths, size};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use super::choices::{Integrator, Method, Quality, Sampler, ToneMap};
+use super::values::{error, exposure, light_paths, seconds, size};
 use clap::{Args, Parser, Subcommand, value_parser};
 use std::path::PathBuf;
 use std::sync::LazyLock;
-use wavetrace::DVec3;
+use std::time::Duration;
 use wavetrace::accel::BuildOptions;
-use wavetrace::bench::{Kernel, Options, SetKind, View};
 use wavetrace::lanes;
 use wavetrace::output::Tone;
 use wavetrace::render::{DEFAULT_LIGHT_PATHS, DEFAULT_WAVE, MAX_THREADS, MAX_WAVE, Settings};
@@ -76,95 +75,6 @@ pub enum Verb {
     Chart(ChartArgs),
 }
 
-/// What `wavetrace bench` measures.
-#[derive(Debug, Subcommand)]
-pub enum Bench {
-    /// Rays per second on sets of rays in a mesh
-    Rays(RaysArgs),
-}
-
-/// Arguments of `wavetrace bench rays`.
-#[derive(Debug, Args)]
-pub struct RaysArgs {
-    /// The mesh; all its objects are one
-    #[arg(value_name = "MESH.obj")]
-    pub mesh: PathBuf,
-    /// Which sets, separated by commas [default: all, or all that --load finds]
-    #[arg(long, value_name = "SETS", value_delimiter = ',', value_parser = set_kind())]
-    pub rays: Vec<SetKind>,
-    /// Pixels across and down, a multiple of 8
-    #[arg(long, value_name = "N", default_value_t = Options::default().res, allow_negative_numbers = true)]
-    pub res: u32,
-    /// Eye, direction and angle across the image in degrees: ox,oy,oz,dx,dy,dz,fov [default: chosen by the mesh]
-    #[arg(long, value_name = "CAMERA", value_parser = view, allow_hyphen_values = true)]
-    pub camera: Option<View>,
-    /// Which axis points up
-    #[arg(long, value_name = "AXIS", value_enum, default_value_t)]
-    pub up: UpAxis,
-    /// Seed of the random numbers
-    #[arg(long, value_name = "N", default_value_t = Options::default().seed, allow_negative_numbers = true)]
-    pub seed: u64,
-    /// Trace the files SET.rays of this folder instead of making rays
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["res", "camera", "up", "seed"])]
-    pub load: Option<PathBuf>,
-    /// Write SET.rays and SET.hits into this folder
-    #[arg(long, value_name = "DIR")]
-    pub dump: Option<PathBuf>,
-    /// How rays are traced
-    #[arg(long, value_name = "KERNEL", default_value = Kernel::default().name(), value_parser = kernel())]
-    pub kernel: Kernel,
-    /// Threads, each on a CPU of its own where there are as many
-    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=MAX_THREADS as i64), default_value_t = 1,
-        allow_negative_numbers = true)]
-    pub threads: u32,
-    /// How often each set is timed
-    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1000), default_value_t = 5,
-        allow_negative_numbers = true)]
-    pub repeats: u32,
-    /// Figures as JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-impl RaysArgs {
-    /// The sets that were asked for, each once, in the order of reports.
-    pub fn kinds(&self) -> Vec<SetKind> {
-        SetKind::ALL.into_iter().filter(|kind| self.rays.is_empty() || self.rays.contains(kind)).collect()
-    }
-    /// How rays are made.
-    pub fn options(&self) -> Options {
-        Options { res: self.res, seed: self.seed, up: self.up.into(), view: self.camera }
-    }
-}
-
-/// A value that is one of a few names, as what the name stands for.
-fn named<T: Clone + Send + Sync + 'static>(
-    names: impl IntoIterator<Item = &'static str>,
-    of: fn(&str) -> Option<T>,
-) -> impl TypedValueParser<Value = T> {
-    PossibleValuesParser::new(names.into_iter().collect::<Vec<_>>())
-        .try_map(move |name| of(&name).ok_or("no such name".to_owned()))
-}
-
-fn set_kind() -> impl TypedValueParser<Value = SetKind> {
-    named(SetKind::ALL.map(SetKind::name), SetKind::from_name)
-}
-
-fn kernel() -> impl TypedValueParser<Value = Kernel> {
-    named(Kernel::ALL.iter().map(|kernel| kernel.1), Kernel::from_name)
-}
-
-/// `ox,oy,oz,dx,dy,dz,fov`.
-fn view(text: &str) -> Result<View, String> {
-    let numbers: Vec<f64> = text.split(',').map_while(|word| word.trim().parse().ok()).collect();
-    match (numbers.as_slice(), text.split(',').count()) {
-        (&[ox, oy, oz, dx, dy, dz, fov], 7) => {
-            Ok(View { eye: DVec3::new(ox, oy, oz), direction: DVec3::new(dx, dy, dz), fov })
-        }
-        _ => Err("expected seven numbers: ox,oy,oz,dx,dy,dz,fov".to_owned()),
-    }
-}
-
 /// Arguments of `wavetrace check`.
 #[derive(Debug, Args)]
 pub struct CheckArgs {
@@ -190,6 +100,12 @@ pub struct RenderArgs {
     #[arg(long = "spp", value_name = "N", value_parser = value_parser!(u32).range(1..), conflicts_with = "spp",
         allow_negative_numbers = true, help_heading = "Image")]
     pub spp_option: Option<u32>,
+    /// End once so many seconds of rendering are spent; --spp is then the most, by default without limit
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true, help_heading = "Image")]
+    pub time: Option<f64>,
+    /// End once the image's estimated relMSE is this small; --spp is then the most, by default without limit
+    #[arg(long, value_name = "E", value_parser = error, allow_hyphen_values = true, help_heading = "Image")]
+    pub target_error: Option<f64>,
     /// Pixels across and down, in place of the camera's
     #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true, help_heading = "Image")]
     pub size: Option<(u32, u32)>,
@@ -259,10 +175,16 @@ impl RenderArgs {
     pub fn given_spp(&self) -> Option<u32> {
         self.spp.or(self.spp_option)
     }
+    /// Whether the time or the error decides how many samples there are.
+    pub fn is_open(&self) -> bool {
+        self.time.is_some() || self.target_error.is_some()
+    }
     /// What to render with.
     pub fn settings(&self) -> Settings {
         Settings {
-            spp: self.given_spp().unwrap_or(1),
+            spp: self.given_spp().unwrap_or(if self.is_open() { u32::MAX } else { 1 }),
+            time: self.time.map_or(Duration::MAX, Duration::from_secs_f64),
+            target_error: self.target_error,
             seed: self.seed,
             threads: self.threads.unwrap_or(0) as usize,
             max_depth: self.max_depth,
@@ -300,6 +222,7 @@ mod tests {
             |args: &[&str]| Cli::try_parse_from([&["wavetrace", "a.json"], args].concat()).unwrap().render.unwrap();
         assert_eq!(parse(&[]).settings(), Settings::default());
         assert_eq!(parse(&[]).build_options(), BuildOptions::default());
+        assert_eq!(parse(&["--time", "9"]).settings().spp, u32::MAX);
         let built = parse(&["--bvh", "best", "--threads", "3"]).build_options();
         assert_eq!(built, BuildOptions { quality: wavetrace::accel::Quality::Best, threads: 3 });
         let args = parse(&[
@@ -320,6 +243,10 @@ mod tests {
             "0.5",
             "--integrator",
             "reference",
+            "--time",
+            "1.5",
+            "--target-error",
+            "0.01",
             "--stats",
             "s.json",
             "--exposure",
@@ -329,6 +256,8 @@ mod tests {
         ]);
         let expected = Settings {
             spp: 9,
+            time: Duration::from_millis(1500),
+            target_error: Some(0.01),
             seed: u64::MAX,
             threads: 3,
             max_depth: Some(0),

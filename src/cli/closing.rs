@@ -14,18 +14,19 @@ const MAX_NAMED: usize = 5;
 pub fn show(run: &Run<'_>, files: &[PathBuf], console: &Console) {
     let Run { args, settings, renderer, rendered, times } = *run;
     oddities(run, console);
-    if args.given_spp().is_none() {
+    if args.given_spp().is_none() && !args.is_open() {
         console
             .note("one sample per pixel is a preview; ask for more as in `wavetrace SCENE.json 64` or by `--spp 64`");
     }
     let world = renderer.world();
-    let samples = match rendered.partial {
-        false => per_pixel(settings.spp),
-        true => {
-            let pixels = f64::from(world.width()) * f64::from(world.height());
-            let mean = rendered.counts.camera as f64 / pixels;
-            format!("partial, {mean:.1} of {} on average", per_pixel(settings.spp))
-        }
+    let mean = rendered.mean_spp();
+    let open = format!("{mean:.1} samples per pixel on average");
+    let samples = match (rendered.partial, args.is_open()) {
+        (false, false) => per_pixel(settings.spp),
+        (false, true) if mean.fract() == 0.0 => per_pixel(mean as u32),
+        (false, true) => open,
+        (true, false) => format!("partial, {mean:.1} of {} on average", per_pixel(settings.spp)),
+        (true, true) => format!("partial, {open}"),
     };
     for file in files {
         console.line(format_args!(
@@ -35,6 +36,9 @@ pub fn show(run: &Run<'_>, files: &[PathBuf], console: &Console) {
             world.height(),
             file_size(file)
         ));
+    }
+    if let Some(error) = rendered.error {
+        console.line(format_args!("estimated relMSE {error:.3e}"));
     }
     console.line(format_args!(
         "load {}, build {}, render {}, write {}",

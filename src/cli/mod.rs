@@ -1,6 +1,7 @@
 //! The command line. All that the program prints is printed here; the library is silent.
 
 mod args;
+mod args_bench;
 mod args_compare;
 mod bench_rays;
 mod chart;

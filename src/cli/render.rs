@@ -8,7 +8,7 @@ use super::interrupt::Interrupt;
 use super::load::load;
 use super::messages::Console;
 use super::outputs::{self, Written};
-use super::progress;
+use super::progress::{self, Goal};
 use super::stats::{self, Run};
 use super::units::{counted, per_pixel};
 use std::sync::mpsc;
@@ -16,6 +16,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 use wavetrace::output::{self, Layers, Metadata};
 use wavetrace::render::{Control, Rendered, Renderer, Settings};
+use wavetrace::wave::Plan;
 
 /// Seconds that each part of a run took.
 #[derive(Clone, Copy, Debug, Default)]
@@ -48,7 +49,8 @@ pub fn run(args: &RenderArgs) -> Result<Exit, Exit> {
     let settings = args.settings();
     // From the announcement on, whoever interrupts gets an image.
     let control = interrupt.start_render();
-    announce(args, &renderer, &settings, &console);
+    let plan = renderer.plan(&settings).map_err(|error| console.fail(&error))?;
+    announce(args, &renderer, &settings, &plan, &console);
     let rendered = trace(&renderer, &settings, control, &console)?;
     times.render = rendered.time;
 
@@ -72,30 +74,42 @@ pub fn run(args: &RenderArgs) -> Result<Exit, Exit> {
     Ok(if complete { Exit::Done } else { Exit::Fault })
 }
 
-fn announce(args: &RenderArgs, renderer: &Renderer, settings: &Settings, console: &Console) {
+fn announce(args: &RenderArgs, renderer: &Renderer, settings: &Settings, plan: &Plan, console: &Console) {
     let world = renderer.world();
     console.line(format_args!(
         "rendering {}: {}x{} pixels, {}, {}",
         args.scene.display(),
         world.width(),
         world.height(),
-        per_pixel(settings.spp),
+        effort(args, settings),
         counted(world.triangles() as u64, "triangle"),
     ));
-    if let Some(light) = renderer.plan(settings).ok().and_then(|plan| plan.left_to_chance()) {
+    if let Some(light) = plan.left_to_chance() {
         console.note(format_args!("found by chance alone: {light}; expect bright dots"));
     }
+}
+
+/// How many samples, or what decides it.
+fn effort(args: &RenderArgs, settings: &Settings) -> String {
+    let goals = [
+        args.target_error.map(|error| format!("down to a relMSE of {error}")),
+        args.time.map(|seconds| format!("for {seconds} s")),
+        args.given_spp().filter(|_| args.is_open()).map(|spp| format!("at most {}", per_pixel(spp))),
+    ];
+    let goals: Vec<String> = goals.into_iter().flatten().collect();
+    if goals.is_empty() { per_pixel(settings.spp) } else { goals.join(", ") }
 }
 
 /// Renders while another thread shows how far it is.
 fn trace(renderer: &Renderer, settings: &Settings, control: &Control, console: &Console) -> Result<Rendered, Exit> {
     let world = renderer.world();
     let samples = u64::from(world.width()) * u64::from(world.height()) * u64::from(settings.spp);
+    let goal = Goal { samples, time: settings.time, error: settings.target_error };
     thread::scope(|scope| {
         // Dropped at the end of this block, which is what the other thread waits for.
         let (_rendering, done) = mpsc::channel();
         if !console.is_quiet() {
-            scope.spawn(move || progress::watch(control, samples, &done));
+            scope.spawn(move || progress::watch(control, goal, &done));
         }
         renderer.render(settings, control).map_err(|error| console.fail(&error))
     })
@@ -105,7 +119,7 @@ fn metadata(args: &RenderArgs, settings: &Settings, rendered: &Rendered) -> Meta
     let entries = [
         ("Software", format!("wavetrace {}", env!("CARGO_PKG_VERSION"))),
         ("scene", args.scene.display().to_string()),
-        ("spp", settings.spp.to_string()),
+        ("spp", stats::spp(args, settings, rendered).to_string()),
         ("seed", settings.seed.to_string()),
         ("method", word(args.method)),
         ("sampler", word(args.sampler)),

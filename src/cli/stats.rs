@@ -4,7 +4,7 @@ use super::args::RenderArgs;
 use super::choices::word;
 use super::render::Times;
 use super::units::rate;
-use serde_json::{Value, json};
+use serde_json::{Number, Value, json};
 use std::fs;
 use std::time::Duration;
 use wavetrace::lanes;
@@ -29,6 +29,13 @@ pub struct Run<'a> {
     pub times: &'a Times,
 }
 
+/// Samples per pixel: what was asked for, or where the time or the error decided, how many there are on average.
+pub fn spp(args: &RenderArgs, settings: &Settings, rendered: &Rendered) -> Number {
+    let mean = rendered.mean_spp();
+    let whole = if args.is_open() { (mean.fract() == 0.0).then_some(mean as u32) } else { Some(settings.spp) };
+    whole.map(Number::from).or_else(|| Number::from_f64(mean)).unwrap_or_else(|| Number::from(0))
+}
+
 /// The figures as an indented JSON document.
 pub fn text(run: &Run<'_>) -> String {
     format!("{:#}\n", document(run))
@@ -44,11 +51,13 @@ fn document(run: &Run<'_>) -> Value {
         "scene": args.scene.display().to_string(),
         "width": world.width(),
         "height": world.height(),
-        "spp": settings.spp,
+        "spp": spp(args, settings, rendered),
         "threads": rendered.threads,
         "seed": settings.seed,
         "method": word(args.method),
         "sampler": word(args.sampler),
+        "time": args.time,
+        "target_error": args.target_error,
         "max_depth": settings.max_depth,
         "light_paths": settings.light_paths,
         "integrator": word(args.integrator),
@@ -73,6 +82,7 @@ fn document(run: &Run<'_>) -> Value {
         },
         "mrays_per_s": rate(counts.rays(), times.render) / 1e6,
         "samples_per_s": rate(counts.camera, times.render),
+        "estimated_relmse": rendered.error,
         "cut_paths": counts.cut,
         "cut_throughput": cut_share(rendered),
         "bad_samples": rendered.bad.len(),

@@ -23,6 +23,22 @@ pub fn light_paths(text: &str) -> Result<f32, String> {
     }
 }
 
+/// A number of seconds.
+pub fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds <= 1e6 => Ok(seconds),
+        _ => Err("expected seconds, more than 0 and at most 1000000".to_owned()),
+    }
+}
+
+/// An error that an image may have.
+pub fn error(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(error) if error > 0.0 && error.is_finite() => Ok(error),
+        _ => Err("expected a relMSE above 0, such as 0.001".to_owned()),
+    }
+}
+
 /// A finite number of stops.
 pub fn exposure(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
@@ -45,6 +61,14 @@ mod tests {
         }
         for wrong in ["", "x", "5", "5x", "x5", "-1x5", "5x5x5", "5 x 5", "5.0x5", "1e3x5"] {
             assert!(size(wrong).unwrap_err().contains("such as 640x480"), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn seconds_and_errors() {
+        assert_eq!((seconds("0.5"), seconds("1e6"), error("1e-3")), (Ok(0.5), Ok(1e6), Ok(0.001)));
+        for wrong in ["", "0", "-1", "nan", "inf", "x"] {
+            assert!(seconds(wrong).is_err() && error(wrong).is_err(), "{wrong}");
         }
     }
 

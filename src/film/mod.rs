@@ -4,6 +4,10 @@ mod picture;
 
 pub use picture::Image;
 
+/// Added to the squared reference where an error is divided by it, so that black pixels do not decide. The measure, relMSE,
+/// is that of Rousselle, Knaus and Zwicker (2011); the constant differs between papers, and figures of another are others.
+pub const RELATIVE_OFFSET: f64 = 0.01;
+
 /// A sample that was not a number or infinite: counted, kept out of the image, and named so that it can be replayed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct BadSample {
@@ -44,6 +48,23 @@ impl Pixel {
             self.sum2[k] += other.sum2[k];
         }
         self.count += other.count;
+    }
+    /// Sums whose mean is the mean of both means, whatever the numbers of samples are.
+    #[must_use]
+    pub fn average(&self, other: &Self) -> Self {
+        let mut all = *self;
+        all.merge(other);
+        if self.count == other.count || self.count == 0 || other.count == 0 {
+            return all;
+        }
+        let (means, variances) = ([self.mean(), other.mean()], [self.variance_of_mean(), other.variance_of_mean()]);
+        let n = all.count as f64;
+        for k in 0..3 {
+            let variance = (variances[0][k] + variances[1][k]) / 4.0;
+            all.sum[k] = n * (means[0][k] + means[1][k]) / 2.0;
+            all.sum2[k] = all.sum[k] * all.sum[k] / n + variance * n * (n - 1.0);
+        }
+        all
     }
     /// Mean of the samples; black without any.
     pub fn mean(&self) -> [f64; 3] {
@@ -129,6 +150,42 @@ impl Film {
     /// Variances of the estimates, in the order of the image's pixels; see [`Self::variance`].
     pub fn variances(&self) -> Vec<[f32; 3]> {
         (0..self.pixels.len()).map(|i| self.variance(i).map(|c| c as f32)).collect()
+    }
+    /// Adds another film's sums.
+    pub fn merge(&mut self, other: &Self) {
+        self.combine(other, |a, b| a.merge(b));
+    }
+    /// Makes the estimates the means of this film's and another's, whatever the numbers of samples are.
+    pub fn average(&mut self, other: &Self) {
+        let mut other = other.clone();
+        self.spread_splats();
+        other.spread_splats();
+        self.combine(&other, |a, b| *a = a.average(b));
+    }
+    /// Makes what light paths brought to a pixel sums over all light paths, of which most brought nothing.
+    fn spread_splats(&mut self) {
+        self.splats.resize(if self.light_paths > 0 { self.pixels.len() } else { 0 }, Pixel::default());
+        self.splats.iter_mut().for_each(|splat| splat.count = self.light_paths);
+    }
+    fn combine(&mut self, other: &Self, f: impl Fn(&mut Pixel, &Pixel)) {
+        self.splats.resize(self.splats.len().max(other.splats.len()), Pixel::default());
+        self.pixels.iter_mut().zip(&other.pixels).for_each(|(a, b)| f(a, b));
+        self.splats.iter_mut().zip(&other.splats).for_each(|(a, b)| f(a, b));
+        self.light_paths += other.light_paths;
+    }
+    /// relMSE of the mean of two independent films of as many samples each: the mean over pixels and channels of ((a - b) /
+    /// 2)^2 / (R^2 + 0.01), for their estimates a and b. ((a - b) / 2)^2 is unbiased for the variance of the mean, and so is
+    /// a b for R^2, which noise would only raise otherwise; where it is negative it counts as 0.
+    pub fn rel_mse_of_mean(&self, other: &Self) -> f64 {
+        let pixels = 0..self.pixels.len();
+        let sum: f64 = pixels
+            .map(|pixel| {
+                let (a, b) = (self.mean(pixel), other.mean(pixel));
+                let of = |k: usize| ((a[k] - b[k]) / 2.0).powi(2) / ((a[k] * b[k]).max(0.0) + RELATIVE_OFFSET);
+                of(0) + of(1) + of(2)
+            })
+            .sum();
+        sum / (3 * self.pixels.len()) as f64
     }
     /// Bytes held.
     pub fn bytes(&self) -> usize {

@@ -1,115 +1,25 @@
 //! Rendering a world: settings, jobs, workers, results.
 
 mod reference;
+mod rounds;
 mod schedule;
+mod settings;
+
+pub use settings::{
+    DEFAULT_LIGHT_PATHS, DEFAULT_WAVE, Integrator, MAX_LIGHT_PATHS, MAX_THREADS, MAX_WAVE, SamplerKind, Settings,
+};
 
 use crate::accel::{BuildOptions, Bvh};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::film::{BadSample, Film};
 use crate::probe::{NoProbe, StageRow, StageTimes};
 use crate::sampling::{Sobol, Xoshiro};
-use crate::wave::{Context, Counts, Method, Plan};
+use crate::wave::{Context, Counts, Plan};
 use crate::world::World;
+use rounds::Rounds;
+use schedule::Round;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
-
-/// Where random numbers come from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum SamplerKind {
-    /// Independent streams.
-    #[default]
-    Xoshiro,
-    /// Owen-scrambled Sobol points.
-    Sobol,
-}
-
-/// Which integrator runs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Integrator {
-    /// Waves of paths through batched stages.
-    #[default]
-    Wavefront,
-    /// One path after the other, one lane, but eight boxes or triangles of the tree at once: the oracle.
-    Reference,
-    /// The same with one box and one triangle at a time: scalar throughout, the baseline.
-    Scalar,
-}
-
-/// What to render with.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
-    /// Samples per pixel, at least 1.
-    pub spp: u32,
-    /// Seed of all random numbers.
-    pub seed: u64,
-    /// Threads; 0 for all cores.
-    pub threads: usize,
-    /// Bounces at most; `None` leaves it to roulette.
-    pub max_depth: Option<u32>,
-    /// How light is found.
-    pub method: Method,
-    /// Where random numbers come from.
-    pub sampler: SamplerKind,
-    /// Paths in flight per worker, at least 1.
-    pub wave_size: usize,
-    /// Light paths per camera path, where mirrors or glass can focus light; 0 for none, at most [`MAX_LIGHT_PATHS`].
-    pub light_paths: f32,
-    /// Which integrator runs.
-    pub integrator: Integrator,
-    /// Whether the stages are timed.
-    pub time_stages: bool,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            spp: 1,
-            seed: 0,
-            threads: 0,
-            max_depth: None,
-            method: Method::Mis,
-            sampler: SamplerKind::Xoshiro,
-            wave_size: DEFAULT_WAVE,
-            light_paths: DEFAULT_LIGHT_PATHS,
-            integrator: Integrator::Wavefront,
-            time_stages: false,
-        }
-    }
-}
-
-/// Paths in flight per worker unless set: their queues fit a core's own cache.
-pub const DEFAULT_WAVE: usize = 2048;
-/// Paths in flight per worker at most.
-pub const MAX_WAVE: usize = 1 << 22;
-/// Light paths per camera path unless set, where the scene needs any.
-pub const DEFAULT_LIGHT_PATHS: f32 = 0.1;
-/// Light paths per camera path at most.
-pub const MAX_LIGHT_PATHS: f32 = 1000.0;
-/// Threads at most.
-pub const MAX_THREADS: usize = 1024;
-
-impl Settings {
-    fn check(&self) -> Result<()> {
-        let wrong = |setting, found: usize, expected: String| {
-            Err(Error::Setting { setting, found: found.to_string(), expected })
-        };
-        match self {
-            Self { spp: 0, .. } => wrong("--spp", 0, "at least 1".into()),
-            Self { wave_size, .. } if !(1..=MAX_WAVE).contains(wave_size) => {
-                wrong("--wave", *wave_size, format!("1 to {MAX_WAVE}"))
-            }
-            Self { threads, .. } if *threads > MAX_THREADS => {
-                wrong("--threads", *threads, format!("at most {MAX_THREADS}"))
-            }
-            Self { light_paths, .. } if !(0.0..=MAX_LIGHT_PATHS).contains(light_paths) => Err(Error::Setting {
-                setting: "--light-paths",
-                found: light_paths.to_string(),
-                expected: format!("0 to {MAX_LIGHT_PATHS}"),
-            }),
-            _ => Ok(()),
-        }
-    }
-}
 
 /// What another thread sees of a render, and how it stops it. Workers write to it once per job: it has cache lines of its
 /// own.
@@ -119,6 +29,8 @@ pub struct Control {
     stop: AtomicBool,
     samples: AtomicU64,
     rays: AtomicU64,
+    /// Bits of an f64, 0 before there is one.
+    error: AtomicU64,
 }
 
 impl Control {
@@ -137,6 +49,14 @@ impl Control {
     /// Rays traced so far.
     pub fn rays(&self) -> u64 {
         self.rays.load(Ordering::Relaxed)
+    }
+    /// Estimated relMSE of the image so far, where the render estimates it.
+    pub fn error(&self) -> Option<f64> {
+        let bits = self.error.load(Ordering::Relaxed);
+        (bits != 0).then(|| f64::from_bits(bits))
+    }
+    fn set_error(&self, error: f64) {
+        self.error.store(error.to_bits(), Ordering::Relaxed);
     }
     fn advance(&self, samples: u64, rays: u64) {
         self.samples.fetch_add(samples, Ordering::Relaxed);
@@ -161,8 +81,53 @@ pub struct Rendered {
     pub stages: Vec<StageRow>,
     /// Bytes of all workers' queues.
     pub wave_bytes: usize,
-    /// Whether it was stopped before all samples were done.
+    /// Estimated relMSE of the image, where it was asked for.
+    pub error: Option<f64>,
+    /// Whether it was stopped before all was done that was asked for.
     pub partial: bool,
+}
+
+impl Rendered {
+    /// Nothing yet.
+    fn of(film: Film) -> Self {
+        Self {
+            film,
+            counts: Counts::default(),
+            bad: Vec::new(),
+            time: Duration::ZERO,
+            threads: 1,
+            stages: Vec::new(),
+            wave_bytes: 0,
+            error: None,
+            partial: false,
+        }
+    }
+    /// Samples per pixel that were traced, on average.
+    pub fn mean_spp(&self) -> f64 {
+        self.counts.camera as f64 / (f64::from(self.film.width()) * f64::from(self.film.height()))
+    }
+    fn add_stages(&mut self, stages: Vec<StageRow>) {
+        if self.stages.is_empty() {
+            self.stages = stages;
+            return;
+        }
+        for (sum, row) in self.stages.iter_mut().zip(stages) {
+            sum.calls += row.calls;
+            sum.items += row.items;
+            sum.lanes += row.lanes;
+            sum.time += row.time;
+        }
+    }
+    /// Adds the figures of a round, and returns its film.
+    fn add(&mut self, round: Self) -> Film {
+        self.counts.add(&round.counts);
+        self.bad.extend(round.bad);
+        self.threads = round.threads;
+        self.wave_bytes = round.wave_bytes;
+        self.partial |= round.partial;
+        self.add_stages(round.stages);
+        round.film
+    }
 }
 
 /// A world with its tree, ready to render any number of times.
@@ -182,7 +147,7 @@ impl Renderer {
     /// the image.
     ///
     /// # Errors
-    /// [`Error::Setting`] if there are more than [`MAX_THREADS`] threads, or the system cannot start them.
+    /// [`Error::Setting`](crate::Error::Setting) if there are more than [`MAX_THREADS`] threads, or the system cannot start them.
     pub fn with_options(world: World, options: &BuildOptions) -> Result<Self> {
         Settings { threads: options.threads, ..Settings::default() }.check()?;
         let bvh = Bvh::build_with(&world.corners, options)?;
@@ -199,49 +164,57 @@ impl Renderer {
     /// Which stages these settings run.
     ///
     /// # Errors
-    /// [`Error::Setting`] if a setting is out of its range.
+    /// [`Error::Setting`](crate::Error::Setting) if a setting is out of its range.
     pub fn plan(&self, settings: &Settings) -> Result<Plan> {
         settings.check()?;
         Ok(Plan::new(&self.world, settings.method, settings.max_depth, settings.wave_size, settings.light_paths))
     }
-    /// Renders. The image depends on the settings' seed, not on threads or wave size, to the bit.
+    /// Renders. The image depends on the settings' seed, not on threads or wave size, to the bit; where the time decides, on
+    /// how many samples it allows.
     ///
     /// # Errors
-    /// [`Error::Setting`] if a setting is out of its range.
+    /// [`Error::Setting`](crate::Error::Setting) if a setting is out of its range.
     pub fn render(&self, settings: &Settings, control: &Control) -> Result<Rendered> {
         let plan = self.plan(settings)?;
-        let cx = Context { world: &self.world, bvh: &self.bvh, plan: &plan, seed: settings.seed };
         let start = Instant::now();
-        if self.world.is_dark() {
-            return Ok(self.black(settings, start));
-        }
-        let mut rendered = match (settings.sampler, settings.time_stages) {
-            (SamplerKind::Xoshiro, false) => schedule::run::<Xoshiro, NoProbe>(&cx, settings, control),
-            (SamplerKind::Xoshiro, true) => schedule::run::<Xoshiro, StageTimes>(&cx, settings, control),
-            (SamplerKind::Sobol, false) => schedule::run::<Sobol, NoProbe>(&cx, settings, control),
-            (SamplerKind::Sobol, true) => schedule::run::<Sobol, StageTimes>(&cx, settings, control),
-        }?;
+        let film = Film::new(self.world.width(), self.world.height());
+        let mut rendered = if self.world.is_dark() {
+            Rendered { error: settings.target_error.map(|_| 0.0), ..Rendered::of(black(film, settings)) }
+        } else {
+            let rounds = Rounds { renderer: self, plan: &plan, settings, control, start };
+            match settings.target_error {
+                Some(target) => rounds.until_error(film, target),
+                None if settings.time < Duration::MAX => rounds.until_time(film),
+                None => rounds.all(film),
+            }?
+        };
         rendered.time = start.elapsed();
         Ok(rendered)
     }
-    /// Where nothing gives light, every sample is known to be black without a ray.
-    fn black(&self, settings: &Settings, start: Instant) -> Rendered {
-        let (width, height) = (self.world.width(), self.world.height());
-        let mut film = Film::new(width, height);
-        for y in 0..height {
-            for x in 0..width {
-                film.pixel_mut([x, y]).count = u64::from(settings.spp);
-            }
-        }
-        Rendered {
-            film,
-            counts: Counts::default(),
-            bad: Vec::new(),
-            time: start.elapsed(),
-            threads: 1,
-            stages: Vec::new(),
-            wave_bytes: 0,
-            partial: false,
+    /// Adds a round of samples to a film.
+    fn round(
+        &self,
+        cx: &Context<'_>,
+        settings: &Settings,
+        round: &Round,
+        film: Film,
+        control: &Control,
+    ) -> Result<Rendered> {
+        match (settings.sampler, settings.time_stages) {
+            (SamplerKind::Xoshiro, false) => schedule::run::<Xoshiro, NoProbe>(cx, settings, round, film, control),
+            (SamplerKind::Xoshiro, true) => schedule::run::<Xoshiro, StageTimes>(cx, settings, round, film, control),
+            (SamplerKind::Sobol, false) => schedule::run::<Sobol, NoProbe>(cx, settings, round, film, control),
+            (SamplerKind::Sobol, true) => schedule::run::<Sobol, StageTimes>(cx, settings, round, film, control),
         }
     }
+}
+
+/// Where nothing gives light, every sample is known to be black without a ray.
+fn black(mut film: Film, settings: &Settings) -> Film {
+    for y in 0..film.height() {
+        for x in 0..film.width() {
+            film.pixel_mut([x, y]).count = u64::from(settings.spp);
+        }
+    }
+    film
 }

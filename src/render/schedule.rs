@@ -10,9 +10,10 @@ use crate::probe::{Probe, Stage, StageRow};
 use crate::sampling::Sampler;
 use crate::wave::{Context, Counts, Grid, Job, LIGHT_JOB, LightWave, Place, Splat, Wave};
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Duration;
+use std::time::Instant;
 
 /// What a visit of a tile gave: sums of its pixels, pass after pass.
 #[derive(Clone, Debug, Default)]
@@ -105,8 +106,8 @@ impl Merge {
 struct Order {
     tiles: usize,
     visits: usize,
-    /// Light paths in all.
-    lights: u64,
+    /// Which light paths.
+    lights: Range<u64>,
 }
 
 /// A piece of it.
@@ -117,12 +118,12 @@ enum Piece {
 
 impl Order {
     fn light_jobs(&self) -> usize {
-        self.lights.div_ceil(LIGHT_JOB) as usize
+        (self.lights.end - self.lights.start).div_ceil(LIGHT_JOB) as usize
     }
     /// First light path and number of them in a job.
     fn light_paths(&self, job: usize) -> (u64, usize) {
-        let first = job as u64 * LIGHT_JOB;
-        (first, (self.lights - first).min(LIGHT_JOB) as usize)
+        let first = self.lights.start + job as u64 * LIGHT_JOB;
+        (first, (self.lights.end - first).min(LIGHT_JOB) as usize)
     }
     fn piece(&self, number: usize) -> Option<Piece> {
         let (visits, lights) = (self.tiles * self.visits, self.light_jobs());
@@ -147,21 +148,43 @@ struct Work {
     wave_bytes: usize,
 }
 
-/// Renders with sampler `S`, seen by probe `P`.
-pub(super) fn run<S: Sampler, P: Probe>(cx: &Context<'_>, settings: &Settings, control: &Control) -> Result<Rendered> {
+/// Some samples of every pixel.
+#[derive(Clone, Debug)]
+pub(super) struct Round {
+    /// Which samples.
+    pub samples: Range<u32>,
+    /// When to end, done or not.
+    pub deadline: Option<Instant>,
+}
+
+impl Round {
+    fn is_over(&self) -> bool {
+        self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+    }
+}
+
+/// Renders with sampler `S`, seen by probe `P`, and adds it to a film.
+pub(super) fn run<S: Sampler, P: Probe>(
+    cx: &Context<'_>,
+    settings: &Settings,
+    round: &Round,
+    film: Film,
+    control: &Control,
+) -> Result<Rendered> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build().map_err(|e| Error::Setting {
         setting: "--threads",
         found: settings.threads.to_string(),
         expected: format!("as many as the system can start ({e})"),
     })?;
     let size = [cx.world.width(), cx.world.height()];
-    let grid = Grid::new(size, settings.spp);
-    let lights = (f64::from(cx.plan.light_paths) * f64::from(settings.spp)).round() as u64;
+    let grid = Grid::new(size, round.samples.clone());
+    let lights = |samples: u32| (f64::from(cx.plan.light_paths) * f64::from(samples)).round() as u64;
+    let lights = lights(round.samples.start)..lights(round.samples.end);
     let order = Order { tiles: grid.tiles(), visits: grid.visits() as usize, lights };
     let shared = Shared {
         next: AtomicUsize::new(0),
         merge: Mutex::new(Merge {
-            film: Film::new(size[0], size[1]),
+            film,
             bad: Vec::new(),
             next_visit: vec![0; order.tiles],
             early: BTreeMap::new(),
@@ -176,7 +199,7 @@ pub(super) fn run<S: Sampler, P: Probe>(cx: &Context<'_>, settings: &Settings, c
         let mut light = (wave.is_some() && cx.plan.caustics()).then(|| LightWave::<S>::new(cx));
         let mut reference = reference::Reference::new(cx);
         let (mut job, mut sums) = (Job::default(), Sums::default());
-        while !control.is_stopped() {
+        while !control.is_stopped() && !round.is_over() {
             let number = shared.next.fetch_add(1, Ordering::Relaxed);
             let (tile, visit) = match order.piece(number) {
                 None => break,
@@ -217,29 +240,11 @@ pub(super) fn run<S: Sampler, P: Probe>(cx: &Context<'_>, settings: &Settings, c
         shared.merge.into_inner().unwrap_or_else(|e| e.into_inner());
     bad.sort_unstable();
     let partial = next_light < order.light_jobs() || next_visit.iter().any(|&v| (v as usize) < order.visits);
-    let mut rendered = Rendered {
-        film,
-        counts: Counts::default(),
-        bad,
-        time: Duration::ZERO,
-        threads: work.len(),
-        stages: Vec::new(),
-        wave_bytes: 0,
-        partial,
-    };
+    let mut rendered = Rendered { bad, threads: work.len(), partial, ..Rendered::of(film) };
     for w in work {
         rendered.counts.add(&w.counts);
         rendered.wave_bytes += w.wave_bytes;
-        if rendered.stages.is_empty() {
-            rendered.stages = w.stages;
-        } else {
-            for (sum, row) in rendered.stages.iter_mut().zip(w.stages) {
-                sum.calls += row.calls;
-                sum.items += row.items;
-                sum.lanes += row.lanes;
-                sum.time += row.time;
-            }
-        }
+        rendered.add_stages(w.stages);
     }
     Ok(rendered)
 }

@@ -4,10 +4,7 @@
 //! decide, as they do in images with caustics, and more samples may make the figure of all pixels worse.
 
 use crate::error::{Error, Result};
-
-/// Added to the squared reference where an error is divided by it, so that black pixels do not decide. The measure is that
-/// of Rousselle, Knaus and Zwicker (2011); the constant differs between papers, and figures of another are others.
-pub const RELATIVE_OFFSET: f64 = 0.01;
+pub use crate::film::RELATIVE_OFFSET;
 
 /// Of so many pixels the worst one is left out of trimmed figures.
 pub const TRIM: usize = 1000;

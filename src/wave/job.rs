@@ -1,10 +1,13 @@
 //! A job: some samples of the pixels of a tile. Jobs depend on the image alone, never on the number of threads.
 
+use std::ops::Range;
+
 /// How an image is cut into jobs.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     size: [u32; 2],
-    spp: u32,
+    /// Which samples of each pixel.
+    samples: Range<u32>,
     /// Pixels of a tile across and down.
     side: u32,
 }
@@ -17,11 +20,11 @@ impl Grid {
     /// Paths of a job, if the image allows: enough to fill a wave.
     const PATHS: u32 = 4096;
 
-    /// Cuts an image of `width` x `height` pixels and `spp` samples per pixel.
-    pub fn new(size: [u32; 2], spp: u32) -> Self {
-        let samples = spp.clamp(1, Self::SAMPLES);
-        let side = [16, 32, 64].into_iter().find(|s| s * s * samples >= Self::PATHS).unwrap_or(64);
-        Self { size, spp, side }
+    /// Cuts an image of `width` x `height` pixels and these samples of each.
+    pub fn new(size: [u32; 2], samples: Range<u32>) -> Self {
+        let most = (samples.len() as u32).clamp(1, Self::SAMPLES);
+        let side = [16, 32, 64].into_iter().find(|s| s * s * most >= Self::PATHS).unwrap_or(64);
+        Self { size, samples, side }
     }
     /// Number of tiles.
     pub fn tiles(&self) -> usize {
@@ -29,7 +32,7 @@ impl Grid {
     }
     /// Passes over the image: each is a job per tile.
     fn all_passes(&self) -> u32 {
-        self.spp.div_ceil(Self::SAMPLES)
+        (self.samples.len() as u32).div_ceil(Self::SAMPLES)
     }
     /// Passes that a worker makes over a tile before it adds them to the film: more than one where there are many, so
     /// that the film is read less often.
@@ -41,7 +44,7 @@ impl Grid {
         1 + self.all_passes().saturating_sub(1).div_ceil(self.passes_per_visit())
     }
     /// The passes of a visit. The first is one pass, so that a render that is interrupted soon leaves few tiles black.
-    pub fn passes(&self, visit: u32) -> std::ops::Range<u32> {
+    pub fn passes(&self, visit: u32) -> Range<u32> {
         let begin = |visit: u32| (1 + (visit - 1) * self.passes_per_visit()).min(self.all_passes());
         if visit == 0 { 0..1 } else { begin(visit)..begin(visit + 1) }
     }
@@ -61,8 +64,8 @@ impl Grid {
             }
         }
         (job.tile, job.pass, job.width) = (tile, pass, width);
-        job.first_sample = pass * Self::SAMPLES;
-        job.samples = Self::SAMPLES.min(self.spp - job.first_sample);
+        job.first_sample = self.samples.start + pass * Self::SAMPLES;
+        job.samples = Self::SAMPLES.min(self.samples.end - job.first_sample);
     }
 }
 
@@ -156,9 +159,9 @@ mod tests {
     #[test]
     fn jobs_cover_all_samples_once() {
         let mut job = Job::default();
-        for spp in [1, 5, 64, 130, 600] {
-            let grid = Grid::new([77, 41], spp);
-            let mut seen = vec![0u32; 77 * 41];
+        for (first, spp) in [(0, 1), (3, 5), (0, 64), (100, 130), (u32::MAX - 600, 600)] {
+            let grid = Grid::new([77, 41], first..first + spp);
+            let mut seen = vec![first; 77 * 41];
             let passes: Vec<u32> = (0..grid.visits()).flat_map(|v| grid.passes(v)).collect();
             for (tile, &pass) in (0..grid.tiles()).flat_map(|t| passes.iter().map(move |p| (t, p))) {
                 grid.job(tile, pass, &mut job);
@@ -173,7 +176,7 @@ mod tests {
                 }
                 assert_eq!(job.places(job.paths()).next(), None);
             }
-            assert!(seen.iter().all(|&n| n == spp));
+            assert!(seen.iter().all(|&n| n == first + spp));
         }
     }
 
@@ -181,7 +184,7 @@ mod tests {
     fn paths_of_a_tile_of_rays_are_neighbours() {
         for (spp, area) in [(64, 8), (8, 8), (1, 64), (4, 64)] {
             let mut job = Job::default();
-            Grid::new([128, 128], spp).job(0, 0, &mut job);
+            Grid::new([128, 128], 0..spp).job(0, 0, &mut job);
             for slot in (0..job.paths()).step_by(64) {
                 let tile: Vec<_> = job.places(slot).take(64).map(|p| p.pixel).collect();
                 let extent = |axis: usize| {

@@ -1,7 +1,7 @@
 //! The options of `wavetrace chart`.
 
 use crate::cli::choices::{Method, Sampler, word};
-use crate::cli::values::size;
+use crate::cli::values::{seconds, size};
 use clap::{Args, value_parser};
 use std::path::PathBuf;
 use wavetrace::chart::sweep::{DEFAULT_SPP, MAX_SEEDS, MAX_SPP, Series};
@@ -99,13 +99,6 @@ impl ChartArgs {
     /// Settings of all renders, references too: what is not measured goes by the default method.
     pub fn settings(&self) -> Settings {
         Settings { threads: self.threads.unwrap_or(0) as usize, max_depth: self.max_depth, ..Settings::default() }
-    }
-}
-
-fn seconds(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(seconds) if seconds > 0.0 && seconds <= 1e6 => Ok(seconds),
-        _ => Err("expected seconds, more than 0 and at most 1000000".to_owned()),
     }
 }
 
