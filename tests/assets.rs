@@ -223,6 +223,11 @@ fn flat_meshes_face_up_and_the_bent_wall_its_front() {
         ("ceiling_one_light", 28.0 - 1.5 * 1.5),
         ("ceiling_two_lights", 28.0 - 2.0),
         ("ceiling_cornell", 4.0 - 0.36),
+        ("ceiling_small_lamp", 4.0 - 0.0632 * 0.0632),
+        ("ceiling_100_lamps", 4.0 - 100.0 * 0.0009),
+        ("wall_50_lamps", 4.0 - 50.0 * 0.0009),
+        ("lamps_100", 100.0 * 0.0009),
+        ("lamps_50", 50.0 * 0.0009),
     ] {
         assert!((area(name) - expected).abs() < 1e-9, "{name}: {}", area(name));
     }
@@ -265,7 +270,7 @@ fn the_gallery_shows_every_scene() {
     let page = fs::read_to_string(folder("docs").join("gallery.md")).unwrap();
     let mut expected: BTreeSet<String> = (1..=15).map(|k| format!("test{k:02}")).collect();
     expected.extend((1..=6).map(|k| format!("demo{k}")));
-    expected.extend(["cornell".to_owned(), "cornell-balls".to_owned()]);
+    expected.extend(["cornell", "cornell-balls", "lamps-200", "small-lamp"].map(str::to_owned));
     assert_eq!(names("scenes"), expected);
     for name in expected {
         assert!(page.contains(&format!("(images/{name}.png)")), "{name}");

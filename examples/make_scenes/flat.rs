@@ -23,6 +23,17 @@ pub fn rectangle_with_holes(width: f64, depth: f64, holes: &[[f64; 4]]) -> Mesh 
     grid(&cuts(0.5 * width, 0), &cuts(0.5 * depth, 2), |x, y| !inside(x, y))
 }
 
+/// Rectangles in the plane z = 0 facing +z, given as (x from, x to, y from, y to), that have no vertex in common.
+pub fn rectangles(all: &[[f64; 4]]) -> Mesh {
+    let mut mesh = Mesh::default();
+    for &[x0, x1, y0, y1] in all {
+        let corners = [dvec3(x0, y0, 0.0), dvec3(x1, y0, 0.0), dvec3(x1, y1, 0.0), dvec3(x0, y1, 0.0)];
+        let corners = corners.map(|p| mesh.position(p));
+        mesh.quad(corners);
+    }
+    mesh
+}
+
 /// The cells between the grid lines `xs` and `ys` whose centre passes `keep`, in the plane z = 0, facing +z.
 fn grid(xs: &[f64], ys: &[f64], keep: impl Fn(f64, f64) -> bool) -> Mesh {
     let mut mesh = Mesh::default();

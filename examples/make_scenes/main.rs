@@ -30,7 +30,6 @@ fn meshes() -> Vec<(&'static str, &'static str, Mesh)> {
         ("rect_3x7", "rectangle, 3 along x and 7 along y, facing +z", flat::rectangle(3.0, 7.0)),
         ("ceiling_one_light", "4 by 7 with a hole for one lamp, facing +z", Lights::One.ceiling()),
         ("ceiling_two_lights", "4 by 7 with holes for two lamps, facing +z", Lights::Two.ceiling()),
-        ("ceiling_cornell", "2 by 2 with a hole for the lamp, facing +z", cornell::ceiling()),
         ("ruling", "every second of 40 stripes along y that rule 4 by 3, facing +z", flat::ruling(4.0, 3.0, 40)),
         ("box", "unit cube", flat::block(DVec3::ONE)),
         ("block_tall", "block twice as tall as wide", flat::block(dvec3(1.0, 1.0, 2.0))),
@@ -52,7 +51,7 @@ fn main() -> io::Result<()> {
     let (mesh_folder, scene_folder) = (root.join("meshes"), root.join("scenes"));
     fs::create_dir_all(&mesh_folder)?;
     fs::create_dir_all(&scene_folder)?;
-    for (name, comment, mesh) in meshes() {
+    for (name, comment, mesh) in meshes().into_iter().chain(cornell::meshes()) {
         fs::write(mesh_folder.join(name).with_extension("obj"), mesh.to_obj(comment))?;
     }
     let scenes = [demos::scenes(), fans::scenes(), cornell::scenes()];
