@@ -9,7 +9,7 @@
 use std::process::{Command, ExitCode};
 use wavetrace::accel::{BuildOptions, Bvh, Quality};
 use wavetrace::bench::{self, HitRecord, Kernel, Options, SetKind, Tracer, mesh, room};
-use wavetrace::render::{Control, Integrator, Renderer, Settings};
+use wavetrace::render::{Control, Integrator, Renderer, SamplerKind, Settings};
 use wavetrace::scene;
 
 /// Triangles of the rooms; the largest that callgrind takes through in little time.
@@ -40,7 +40,8 @@ fn render(name: &str, integrator: Integrator, spp: usize) -> usize {
     (builder.camera_mut().width, builder.camera_mut().height) = (SIDE, SIDE);
     let world = builder.build().expect("a scene that builds");
     let renderer = Renderer::with_options(world, &ONE_THREAD).expect("a thread");
-    let settings = Settings { spp: spp as u32, threads: 1, integrator, ..Settings::default() };
+    let settings =
+        Settings { spp: spp as u32, threads: 1, integrator, sampler: SamplerKind::Xoshiro, ..Settings::default() };
     renderer.render(&settings, &Control::default()).expect("settings in range");
     (SIDE * SIDE) as usize
 }

@@ -8,7 +8,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 use wavetrace::probe::StageRow;
-use wavetrace::render::{Control, Integrator, Renderer, Settings};
+use wavetrace::render::{Control, Integrator, Renderer, SamplerKind, Settings};
 use wavetrace::scene;
 
 const REPEATS: usize = 7;
@@ -30,7 +30,7 @@ fn seconds(renderer: &Renderer, settings: &Settings) -> f64 {
 }
 
 fn compare(name: &str, renderer: &Renderer) {
-    let wave = Settings { spp: SPP, threads: 1, ..Settings::default() };
+    let wave = Settings { spp: SPP, threads: 1, sampler: SamplerKind::Xoshiro, ..Settings::default() };
     let reference = Settings { integrator: Integrator::Reference, ..wave.clone() };
     let scalar = Settings { integrator: Integrator::Scalar, ..wave.clone() };
     let two = Settings { threads: 2, ..wave.clone() };
@@ -63,7 +63,8 @@ fn compare(name: &str, renderer: &Renderer) {
 }
 
 fn stages(renderer: &Renderer) {
-    let settings = Settings { spp: SPP, threads: 1, time_stages: true, ..Settings::default() };
+    let settings =
+        Settings { spp: SPP, threads: 1, sampler: SamplerKind::Xoshiro, time_stages: true, ..Settings::default() };
     let out = renderer.render(&settings, &Control::default()).expect("settings in range");
     let total: f64 = out.stages.iter().map(|s| s.time.as_secs_f64()).sum();
     for row in out.stages.iter().filter(|s| s.items > 0) {

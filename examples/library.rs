@@ -4,9 +4,7 @@
 
 use std::{env, error::Error, path::PathBuf};
 use wavetrace::output::{self, Metadata, Tone};
-use wavetrace::{
-    Camera, Control, DVec3, MaterialInput, Mesh, Object, Renderer, SamplerKind, Settings, Size, WorldBuilder,
-};
+use wavetrace::{Camera, Control, DVec3, MaterialInput, Mesh, Object, Renderer, Settings, Size, WorldBuilder};
 
 /// A unit square in the plane z = 0, facing +z.
 fn square() -> Mesh {
@@ -61,7 +59,7 @@ fn world() -> WorldBuilder {
 fn main() -> Result<(), Box<dyn Error>> {
     let path = env::args_os().nth(1).map_or_else(|| PathBuf::from("library.png"), PathBuf::from);
     let renderer = Renderer::new(world().build()?);
-    let settings = Settings { spp: 64, sampler: SamplerKind::Sobol, ..Settings::default() };
+    let settings = Settings { spp: 64, ..Settings::default() };
     println!("stages of this scene:\n{}", renderer.plan(&settings)?);
 
     let rendered = renderer.render(&settings, &Control::default())?;

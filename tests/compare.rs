@@ -58,7 +58,8 @@ impl Renders {
     }
     fn render(&self, args: &[&str]) {
         let size = if args.contains(&"--size") { &[][..] } else { &["--size", "128x128"] };
-        let ran = run(self.folder.path(), &[args, size, &["-q"]].concat());
+        let sampler = if args.contains(&"--sampler") { &[][..] } else { &["--sampler", "xoshiro"] };
+        let ran = run(self.folder.path(), &[args, size, sampler, &["-q"]].concat());
         assert_eq!(ran.code, Some(0), "{args:?}: {}", ran.err);
     }
 }

@@ -19,9 +19,9 @@ pub enum Method {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Sampler {
     /// Independent streams
-    #[default]
     Xoshiro,
     /// Owen-scrambled Sobol points
+    #[default]
     Sobol,
 }
 

@@ -54,8 +54,8 @@ pub fn warn(args: &RenderArgs, console: &Console) {
     let settings = args.settings();
     if args.variance && settings.sampler == SamplerKind::Sobol {
         console.warn(
-            "--variance: with `--sampler sobol` samples are not independent, and their spread overestimates the variance \
-             of the mean",
+            "--variance: Sobol points are not independent, and their spread overestimates the variance of the mean; \
+             `--sampler xoshiro` has samples that are",
         );
     }
     if args.variance && settings.spp == 1 {

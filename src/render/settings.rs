@@ -9,9 +9,9 @@ use std::time::Duration;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SamplerKind {
     /// Independent streams.
-    #[default]
     Xoshiro,
     /// Owen-scrambled Sobol points.
+    #[default]
     Sobol,
 }
 
@@ -67,7 +67,7 @@ impl Default for Settings {
             threads: 0,
             max_depth: None,
             method: Method::Mis,
-            sampler: SamplerKind::Xoshiro,
+            sampler: SamplerKind::Sobol,
             wave_size: DEFAULT_WAVE,
             light_paths: DEFAULT_LIGHT_PATHS,
             integrator: Integrator::Wavefront,
