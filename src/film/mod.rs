@@ -177,11 +177,19 @@ impl Film {
     /// 2)^2 / (R^2 + 0.01), for their estimates a and b. ((a - b) / 2)^2 is unbiased for the variance of the mean, and so is
     /// a b for R^2, which noise would only raise otherwise; where it is negative it counts as 0.
     pub fn rel_mse_of_mean(&self, other: &Self) -> f64 {
+        self.rel_mse_by(other, |_, a, b| (a * b).max(0.0))
+    }
+    /// The same, relative to another independent `image` squared. A bright pixel raises a b together with (a - b)^2, which
+    /// makes their ratio too small; it leaves the other image alone.
+    pub fn rel_mse_of_mean_to(&self, other: &Self, image: &[[f64; 3]]) -> f64 {
+        self.rel_mse_by(other, |[pixel, k], _, _| image[pixel][k].powi(2))
+    }
+    fn rel_mse_by(&self, other: &Self, square: impl Fn([usize; 2], f64, f64) -> f64) -> f64 {
         let pixels = 0..self.pixels.len();
         let sum: f64 = pixels
-            .map(|pixel| {
-                let (a, b) = (self.mean(pixel), other.mean(pixel));
-                let of = |k: usize| ((a[k] - b[k]) / 2.0).powi(2) / ((a[k] * b[k]).max(0.0) + RELATIVE_OFFSET);
+            .map(|i| {
+                let (a, b) = (self.mean(i), other.mean(i));
+                let of = |k: usize| ((a[k] - b[k]) / 2.0).powi(2) / (square([i, k], a[k], b[k]) + RELATIVE_OFFSET);
                 of(0) + of(1) + of(2)
             })
             .sum();

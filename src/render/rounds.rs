@@ -41,8 +41,16 @@ impl Half {
     fn new(film: &Film) -> Self {
         Self { films: [film.clone(), film.clone()], done: None }
     }
-    fn error(&self) -> f64 {
+    /// By this half's samples alone.
+    fn own_error(&self) -> f64 {
         self.films[0].rel_mse_of_mean(&self.films[1])
+    }
+    /// Relative to the other half's image.
+    fn error(&self, other: &Self) -> f64 {
+        let [a, b] = &other.films;
+        let mean = |i| std::array::from_fn(|k| (a.mean(i)[k] + b.mean(i)[k]) / 2.0);
+        let image: Vec<_> = (0..a.pixels().len()).map(mean).collect();
+        self.films[0].rel_mse_of_mean_to(&self.films[1], &image)
     }
     fn mean(&self) -> Film {
         let mut film = self.films[0].clone();
@@ -87,14 +95,14 @@ impl Rounds<'_> {
             }
             done = next;
             // Of the mean of both halves, if the other is as good.
-            let errors = [halves[0].error() / 2.0, halves[1].error() / 2.0];
-            let error = (errors[0] + errors[1]) / 2.0;
+            let own = [halves[0].own_error() / 2.0, halves[1].own_error() / 2.0];
+            let error = (halves[0].error(&halves[1]) + halves[1].error(&halves[0])) / 4.0;
             self.control.set_error(error);
             if all.partial {
                 break;
             }
             all.error = Some(error);
-            for (half, error) in halves.iter_mut().zip([errors[1], errors[0]]) {
+            for (half, error) in halves.iter_mut().zip([own[1], own[0]]) {
                 if half.done.is_none() && error <= target {
                     half.done = Some(half.mean());
                 }
