@@ -177,19 +177,25 @@ impl Film {
     /// 2)^2 / (R^2 + 0.01), for their estimates a and b. ((a - b) / 2)^2 is unbiased for the variance of the mean, and so is
     /// a b for R^2, which noise would only raise otherwise; where it is negative it counts as 0.
     pub fn rel_mse_of_mean(&self, other: &Self) -> f64 {
-        self.rel_mse_by(other, |_, a, b| (a * b).max(0.0))
+        self.rel_mse_by(other, |_, [a, b]| (a * b).max(0.0) + RELATIVE_OFFSET)
     }
-    /// The same, relative to another independent `image` squared. A bright pixel raises a b together with (a - b)^2, which
-    /// makes their ratio too small; it leaves the other image alone.
-    pub fn rel_mse_of_mean_to(&self, other: &Self, image: &[[f64; 3]]) -> f64 {
-        self.rel_mse_by(other, |[pixel, k], _, _| image[pixel][k].powi(2))
+    /// The same, relative to the mean m of two further films. A bright pixel raises a b together with (a - b)^2, which
+    /// makes their ratio too small; it leaves the other films alone. 1 / (m^2 + 0.01) is on average too large by m's variance
+    /// times half its second derivative, which is taken off.
+    pub fn rel_mse_of_mean_to(&self, other: &Self, [c, d]: [&Self; 2]) -> f64 {
+        self.rel_mse_by(other, |[pixel, k], _| {
+            let (c, d) = (c.mean(pixel)[k], d.mean(pixel)[k]);
+            let (square, variance) = (((c + d) / 2.0).powi(2), ((c - d) / 2.0).powi(2));
+            let plain = square + RELATIVE_OFFSET;
+            plain + variance * (3.0 * square - RELATIVE_OFFSET) / plain
+        })
     }
-    fn rel_mse_by(&self, other: &Self, square: impl Fn([usize; 2], f64, f64) -> f64) -> f64 {
+    fn rel_mse_by(&self, other: &Self, divisor: impl Fn([usize; 2], [f64; 2]) -> f64) -> f64 {
         let pixels = 0..self.pixels.len();
         let sum: f64 = pixels
             .map(|i| {
                 let (a, b) = (self.mean(i), other.mean(i));
-                let of = |k: usize| ((a[k] - b[k]) / 2.0).powi(2) / (square([i, k], a[k], b[k]) + RELATIVE_OFFSET);
+                let of = |k: usize| ((a[k] - b[k]) / 2.0).powi(2) / divisor([i, k], [a[k], b[k]]);
                 of(0) + of(1) + of(2)
             })
             .sum();

@@ -48,9 +48,7 @@ impl Half {
     /// Relative to the other half's image.
     fn error(&self, other: &Self) -> f64 {
         let [a, b] = &other.films;
-        let mean = |i| std::array::from_fn(|k| (a.mean(i)[k] + b.mean(i)[k]) / 2.0);
-        let image: Vec<_> = (0..a.pixels().len()).map(mean).collect();
-        self.films[0].rel_mse_of_mean_to(&self.films[1], &image)
+        self.films[0].rel_mse_of_mean_to(&self.films[1], [a, b])
     }
     fn mean(&self) -> Film {
         let mut film = self.films[0].clone();
