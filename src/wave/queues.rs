@@ -1,7 +1,7 @@
 //! The state of a wave: paths, hits, shadow rays in columns, and lists of rows.
 
 use super::plan::Plan;
-use crate::columns::{Rows, columns};
+use crate::columns::{Column, Rows, columns};
 use crate::lanes::{LanesU32, MAX_LANES, Wide};
 use crate::material::Kind;
 
@@ -79,14 +79,14 @@ columns! {
 /// A list of rows, in ascending order.
 #[derive(Clone, Debug, Default)]
 pub struct RowList {
-    rows: Vec<u32>,
+    rows: Column<u32>,
     len: usize,
 }
 
 impl RowList {
     /// An empty list with room for `capacity` rows; with no room nothing is held.
     pub fn with_capacity(capacity: usize) -> Self {
-        Self { rows: vec![0; if capacity == 0 { 0 } else { capacity + MAX_LANES }], len: 0 }
+        Self { rows: Column::zeros(if capacity == 0 { 0 } else { capacity + MAX_LANES }), len: 0 }
     }
     /// Number of rows.
     pub fn len(&self) -> usize {

@@ -3,6 +3,10 @@
 //! `columns! { pub struct PathQueue of Path { origin: V3, slot: U, ... } }` makes the row type `Path<L>` (one path as
 //! `Path<f32>`, eight as `Path<F32x8>`) and the queue `PathQueue` that holds each field in columns of its own.
 
+mod column;
+
+pub use column::Column;
+
 use crate::lanes::{Lanes, LanesU32, MAX_LANES, Vec3};
 
 /// Which rows of a queue a group of lanes stands for. Groups shorter than the lanes repeat their last row.
@@ -93,14 +97,14 @@ pub struct V3;
 pub struct U4;
 
 impl Field for F {
-    type Store = Vec<f32>;
+    type Store = Column<f32>;
     type Value<L: Lanes> = L;
     const BYTES: usize = 4;
-    fn with_rows(rows: usize) -> Vec<f32> {
-        vec![0.0; rows]
+    fn with_rows(rows: usize) -> Column<f32> {
+        Column::zeros(rows)
     }
     #[inline(always)]
-    fn gather<L: Lanes>(store: &Vec<f32>, rows: &Rows) -> L {
+    fn gather<L: Lanes>(store: &Column<f32>, rows: &Rows) -> L {
         if rows.contiguous && L::N == MAX_LANES {
             L::load(&store[rows.at(0)..])
         } else {
@@ -108,7 +112,7 @@ impl Field for F {
         }
     }
     #[inline(always)]
-    fn scatter<L: Lanes>(store: &mut Vec<f32>, rows: &Rows, value: L) {
+    fn scatter<L: Lanes>(store: &mut Column<f32>, rows: &Rows, value: L) {
         if rows.contiguous && L::N == MAX_LANES {
             value.store(&mut store[rows.at(0)..]);
         } else {
@@ -118,20 +122,20 @@ impl Field for F {
         }
     }
     #[inline(always)]
-    fn append<L: Lanes>(store: &mut Vec<f32>, at: usize, bits: u32, value: L) {
+    fn append<L: Lanes>(store: &mut Column<f32>, at: usize, bits: u32, value: L) {
         value.pack(bits).store(&mut store[at..]);
     }
 }
 
 impl Field for U {
-    type Store = Vec<u32>;
+    type Store = Column<u32>;
     type Value<L: Lanes> = L::Uint;
     const BYTES: usize = 4;
-    fn with_rows(rows: usize) -> Vec<u32> {
-        vec![0; rows]
+    fn with_rows(rows: usize) -> Column<u32> {
+        Column::zeros(rows)
     }
     #[inline(always)]
-    fn gather<L: Lanes>(store: &Vec<u32>, rows: &Rows) -> L::Uint {
+    fn gather<L: Lanes>(store: &Column<u32>, rows: &Rows) -> L::Uint {
         if rows.contiguous && L::N == MAX_LANES {
             L::Uint::load(&store[rows.at(0)..])
         } else {
@@ -139,7 +143,7 @@ impl Field for U {
         }
     }
     #[inline(always)]
-    fn scatter<L: Lanes>(store: &mut Vec<u32>, rows: &Rows, value: L::Uint) {
+    fn scatter<L: Lanes>(store: &mut Column<u32>, rows: &Rows, value: L::Uint) {
         if rows.contiguous && L::N == MAX_LANES {
             value.store(&mut store[rows.at(0)..]);
         } else {
@@ -149,30 +153,30 @@ impl Field for U {
         }
     }
     #[inline(always)]
-    fn append<L: Lanes>(store: &mut Vec<u32>, at: usize, bits: u32, value: L::Uint) {
+    fn append<L: Lanes>(store: &mut Column<u32>, at: usize, bits: u32, value: L::Uint) {
         value.pack(bits).store(&mut store[at..]);
     }
 }
 
 impl Field for V3 {
-    type Store = [Vec<f32>; 3];
+    type Store = [Column<f32>; 3];
     type Value<L: Lanes> = Vec3<L>;
     const BYTES: usize = 12;
-    fn with_rows(rows: usize) -> [Vec<f32>; 3] {
+    fn with_rows(rows: usize) -> [Column<f32>; 3] {
         std::array::from_fn(|_| F::with_rows(rows))
     }
     #[inline(always)]
-    fn gather<L: Lanes>(s: &[Vec<f32>; 3], rows: &Rows) -> Vec3<L> {
+    fn gather<L: Lanes>(s: &[Column<f32>; 3], rows: &Rows) -> Vec3<L> {
         Vec3::new(F::gather(&s[0], rows), F::gather(&s[1], rows), F::gather(&s[2], rows))
     }
     #[inline(always)]
-    fn scatter<L: Lanes>([x, y, z]: &mut [Vec<f32>; 3], rows: &Rows, value: Vec3<L>) {
+    fn scatter<L: Lanes>([x, y, z]: &mut [Column<f32>; 3], rows: &Rows, value: Vec3<L>) {
         F::scatter(x, rows, value.x);
         F::scatter(y, rows, value.y);
         F::scatter(z, rows, value.z);
     }
     #[inline(always)]
-    fn append<L: Lanes>([x, y, z]: &mut [Vec<f32>; 3], at: usize, bits: u32, value: Vec3<L>) {
+    fn append<L: Lanes>([x, y, z]: &mut [Column<f32>; 3], at: usize, bits: u32, value: Vec3<L>) {
         F::append(x, at, bits, value.x);
         F::append(y, at, bits, value.y);
         F::append(z, at, bits, value.z);
@@ -180,25 +184,25 @@ impl Field for V3 {
 }
 
 impl Field for U4 {
-    type Store = [Vec<u32>; 4];
+    type Store = [Column<u32>; 4];
     type Value<L: Lanes> = [L::Uint; 4];
     const BYTES: usize = 16;
-    fn with_rows(rows: usize) -> [Vec<u32>; 4] {
+    fn with_rows(rows: usize) -> [Column<u32>; 4] {
         std::array::from_fn(|_| U::with_rows(rows))
     }
     #[inline(always)]
-    fn gather<L: Lanes>(store: &[Vec<u32>; 4], rows: &Rows) -> [L::Uint; 4] {
+    fn gather<L: Lanes>(store: &[Column<u32>; 4], rows: &Rows) -> [L::Uint; 4] {
         let [a, b, c, d] = store;
         [U::gather::<L>(a, rows), U::gather::<L>(b, rows), U::gather::<L>(c, rows), U::gather::<L>(d, rows)]
     }
     #[inline(always)]
-    fn scatter<L: Lanes>(store: &mut [Vec<u32>; 4], rows: &Rows, value: [L::Uint; 4]) {
+    fn scatter<L: Lanes>(store: &mut [Column<u32>; 4], rows: &Rows, value: [L::Uint; 4]) {
         for (column, v) in store.iter_mut().zip(value) {
             U::scatter::<L>(column, rows, v);
         }
     }
     #[inline(always)]
-    fn append<L: Lanes>(store: &mut [Vec<u32>; 4], at: usize, bits: u32, value: [L::Uint; 4]) {
+    fn append<L: Lanes>(store: &mut [Column<u32>; 4], at: usize, bits: u32, value: [L::Uint; 4]) {
         for (column, v) in store.iter_mut().zip(value) {
             U::append::<L>(column, at, bits, v);
         }
