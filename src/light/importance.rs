@@ -58,31 +58,37 @@ fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 
 /// cos(a - b), or 1 where b is larger than a: what is left of an angle of which up to b may be taken.
 #[inline(always)]
-fn cos_less<L: Lanes>(cos_a: L, cos_b: L) -> L {
+fn cos_less<L: Lanes>(cos_a: L, [sin_b, cos_b]: [L; 2]) -> L {
     let one = L::splat(1.0);
-    let sines = safe_sqrt(one - cos_a * cos_a) * safe_sqrt(one - cos_b * cos_b);
+    let sines = safe_sqrt(one - cos_a * cos_a) * sin_b;
     L::select(cos_a.gt(cos_b), one, cos_a.mul_add(cos_b, sines))
 }
 
 /// Estimate, up to a factor, of the light that emitters of given power within given bounds send to a receiver: power
 /// times the largest cosines at both ends over squared distance (Conty Estevez and Kulla 2018, section 3.3, for two-sided
-/// emitters). 0 only where all of them lie behind the receiver, or are seen edge-on.
+/// emitters). 0 only where all of them lie behind the receiver, or are seen edge-on. Where not `CONE`, all of them are in one
+/// plane, and the cone is but its axis.
 ///
 /// Within the ball all angles are possible, and the distance counts as its radius.
 #[inline(always)]
-pub fn importance<L: Lanes>([x, y, z, radius, u, v, w, cos_cone]: [L; 8], power: L, from: &Receiver<L>) -> L {
+pub fn importance<L: Lanes, const CONE: bool>(
+    [x, y, z, radius, u, v, w, cos_cone]: [L; 8],
+    power: L,
+    from: &Receiver<L>,
+) -> L {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let way = Vec3::new(x, y, z) - from.point;
     let (distance2, radius2) = (way.length2(), radius * radius);
     let near = distance2.le(radius2);
-    let inverse = one / distance2.max(L::splat(f32::MIN_POSITIVE)).sqrt();
+    let inverse = one / distance2.max(radius2).max(L::splat(f32::MIN_POSITIVE)).sqrt();
     let direction = way * inverse;
     let sin_ball = radius * inverse;
-    let cos_ball = safe_sqrt(one - sin_ball * sin_ball);
+    let ball = [sin_ball, safe_sqrt(one - sin_ball * sin_ball)];
     let cos_axis = Vec3::new(u, v, w).dot(direction).abs().min(one);
-    let cos_light = cos_less(cos_less(cos_axis, cos_cone), cos_ball);
+    let cos_nearest = if CONE { cos_less(cos_axis, [safe_sqrt(one - cos_cone * cos_cone), cos_cone]) } else { cos_axis };
+    let cos_light = cos_less(cos_nearest, ball);
     let cos_normal = from.normal.dot(direction).max(-one).min(one);
-    let cos_receiver = cos_less(cos_normal, cos_ball).max(zero);
+    let cos_receiver = cos_less(cos_normal, ball).max(zero);
     let cosines = L::select(near, one, cos_light * cos_receiver);
-    power * cosines / distance2.max(radius2)
+    power * cosines * (inverse * inverse)
 }

@@ -48,8 +48,8 @@ impl<L: Lanes> Descent<L> {
     fn left(&self, tree: &Tree, from: &Receiver<L>) -> (L, L) {
         let node = |i: usize| &tree.nodes[self.at[i] as usize];
         let [first, second, ..] = L::columns8(|i| &node(i).powers);
-        let left = importance(L::columns8(|i| &node(i).bounds[0]), first, from);
-        let total = left + importance(L::columns8(|i| &node(i).bounds[1]), second, from);
+        let left = importance::<L, true>(L::columns8(|i| &node(i).bounds[0]), first, from);
+        let total = left + importance::<L, true>(L::columns8(|i| &node(i).bounds[1]), second, from);
         (probability(left, total), L::select(total.gt(L::splat(0.0)), L::splat(1.0), L::splat(0.0)))
     }
     /// Takes each open lane to one child, `right` by its bits, that had probability `share`; what has arrived at an emitter
