@@ -46,7 +46,8 @@ fn lights(number: u32) -> Mesh {
         let mut state = Xoshiro::start::<f32>(1, i, 0);
         let u = Xoshiro::draw::<f32, 6>(&mut state, Decision::Light, 0).map(f64::from);
         let half = DVec3::new(0.95 - r, 0.95 - r, 0.2 * (1.0 - r));
-        let at = DVec3::new(2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0, 2.0 * u[2] - 1.0) * half + DVec3::Z * (1.97 - half.z - r / 2.0);
+        let at = DVec3::new(2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0, 2.0 * u[2] - 1.0) * half
+            + DVec3::Z * (1.97 - half.z - r / 2.0);
         let tilt = |k: usize| u[k] * std::f64::consts::TAU;
         let (e, f) = if number == 1 {
             (DVec3::X, DVec3::Y)

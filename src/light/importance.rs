@@ -85,7 +85,8 @@ pub fn importance<L: Lanes, const CONE: bool>(
     let sin_ball = radius * inverse;
     let ball = [sin_ball, safe_sqrt(one - sin_ball * sin_ball)];
     let cos_axis = Vec3::new(u, v, w).dot(direction).abs().min(one);
-    let cos_nearest = if CONE { cos_less(cos_axis, [safe_sqrt(one - cos_cone * cos_cone), cos_cone]) } else { cos_axis };
+    let cos_nearest =
+        if CONE { cos_less(cos_axis, [safe_sqrt(one - cos_cone * cos_cone), cos_cone]) } else { cos_axis };
     let cos_light = cos_less(cos_nearest, ball);
     let cos_normal = from.normal.dot(direction).max(-one).min(one);
     let cos_receiver = cos_less(cos_normal, ball).max(zero);
