@@ -1,7 +1,7 @@
 //! One column: numbers of 32 bits from the start of a cache line on.
 //!
-//! Eight rows are then never on two lines, whichever allocator made them: where they are, a stage that only moves rows takes up
-//! to a fifth longer, by the luck of each thread's allocations.
+//! Eight rows from a multiple of eight are then never on two lines, wherever the allocator of the thread puts them: where they
+//! are, moving rows takes 8 % longer (docs/decisions/threads.md).
 
 use crate::lanes::MAX_LANES;
 use bytemuck::{Pod, Zeroable};
