@@ -1,6 +1,7 @@
 //! Writes one room lit by 1, 10, 1000 and 100,000 luminous triangles, of the same area and radiance in all:
 //! `cargo run --release --example many_lights -- DIR`, to be charted with `wavetrace chart DIR/lights-*.json`.
 
+use clap::Parser;
 use std::error::Error;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
@@ -9,6 +10,14 @@ use wavetrace::bench::mesh::write_obj;
 use wavetrace::linear::DVec3;
 use wavetrace::sampling::{Decision, Sampler, Xoshiro};
 use wavetrace::world::Mesh;
+
+/// Writes one room under 1 to 100,000 lights.
+#[derive(Parser)]
+struct Args {
+    /// The folder
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+}
 
 const NUMBERS: [u32; 4] = [1, 10, 1000, 100_000];
 /// Area of all lights together.
@@ -101,14 +110,15 @@ fn write(path: &Path, mesh: &Mesh) -> Result<(), Box<dyn Error>> {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let folder = PathBuf::from(std::env::args().nth(1).ok_or("expected a folder")?);
+    let Args { folder } = Args::parse();
     fs::create_dir_all(&folder)?;
     write(&folder.join("room.obj"), &room())?;
     for number in NUMBERS {
         let mesh = lights(number);
         write(&folder.join(format!("lights-{number}.obj")), &mesh)?;
-        fs::write(folder.join(format!("lights-{number}.json")), scene(number, &mesh))?;
-        println!("{}", folder.join(format!("lights-{number}.json")).display());
+        let file = folder.join(format!("lights-{number}.json"));
+        fs::write(&file, scene(number, &mesh))?;
+        println!("{}", file.display());
     }
     Ok(())
 }

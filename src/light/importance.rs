@@ -56,7 +56,8 @@ fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
-/// cos(a - b), or 1 where b is larger than a: what is left of an angle of which up to b may be taken.
+/// cos(a - b), or 1 where b, given by its sine and cosine, is larger than a: what is left of an angle of which up to b may be
+/// taken.
 #[inline(always)]
 fn cos_less<L: Lanes>(cos_a: L, [sin_b, cos_b]: [L; 2]) -> L {
     let one = L::splat(1.0);
