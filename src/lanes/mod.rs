@@ -20,7 +20,7 @@ pub use dispatch::{Kernel, dispatch, simd};
 pub use eight::{Wide, WideU32};
 pub use math::{safe_sqrt, sin_cos_turns};
 pub use portable::{F32x8, U32x8};
-pub use prefetch::prefetch_lines;
+pub use prefetch::{prefetch_ends, prefetch_lines};
 pub use vec3::{Frame, Vec3, largest_coordinate, select3};
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};

@@ -33,6 +33,10 @@ impl Bounds {
         let ([x, y, z], [u, v, w]) = (self.centre, self.axis);
         [x, y, z, self.radius, u, v, w, self.cos_cone]
     }
+    /// Power, and sine of the cone's half angle.
+    pub fn scale(&self) -> [f32; 2] {
+        [self.power, (1.0 - self.cos_cone * self.cos_cone).max(0.0).sqrt()]
+    }
     /// Of one emitter.
     pub fn of(e: &Emitter) -> Self {
         let corners: Vec<[f64; 3]> = e.corners().map(|c| c.map(f64::from)).collect();
@@ -56,41 +60,34 @@ fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
-/// cos(a - b), or 1 where b, given by its sine and cosine, is larger than a: what is left of an angle of which up to b may be
-/// taken.
-#[inline(always)]
-fn cos_less<L: Lanes>(cos_a: L, [sin_b, cos_b]: [L; 2]) -> L {
-    let one = L::splat(1.0);
-    let sines = safe_sqrt(one - cos_a * cos_a) * sin_b;
-    L::select(cos_a.gt(cos_b), one, cos_a.mul_add(cos_b, sines))
-}
-
 /// Estimate, up to a factor, of the light that emitters of given power within given bounds send to a receiver: power
 /// times the largest cosines at both ends over squared distance (Conty Estevez and Kulla 2018, section 3.3, for two-sided
-/// emitters). 0 only where all of them lie behind the receiver, or are seen edge-on. Where not `CONE`, all of them are in one
-/// plane, and the cone is but its axis.
+/// emitters). 0 only where all of them lie behind the receiver. Where not `CONE`, all of them are in one plane, and the cone
+/// is but its axis.
 ///
-/// Within the ball all angles are possible, and the distance counts as its radius.
+/// Of the ball, of radius r at distance d, the cosines take r / d more than that of its middle, which is no less than any of
+/// its points has; the squared distance is the mean over its surface, d^2 + r^2. So nothing is special about its inside, and
+/// but for the cone there is no root.
 #[inline(always)]
 pub fn importance<L: Lanes, const CONE: bool>(
     [x, y, z, radius, u, v, w, cos_cone]: [L; 8],
-    power: L,
+    [power, sin_cone]: [L; 2],
     from: &Receiver<L>,
 ) -> L {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let way = Vec3::new(x, y, z) - from.point;
-    let (distance2, radius2) = (way.length2(), radius * radius);
-    let near = distance2.le(radius2);
-    let inverse = one / distance2.max(radius2).max(L::splat(f32::MIN_POSITIVE)).sqrt();
-    let direction = way * inverse;
-    let sin_ball = radius * inverse;
-    let ball = [sin_ball, safe_sqrt(one - sin_ball * sin_ball)];
-    let cos_axis = Vec3::new(u, v, w).dot(direction).abs().min(one);
-    let cos_nearest =
-        if CONE { cos_less(cos_axis, [safe_sqrt(one - cos_cone * cos_cone), cos_cone]) } else { cos_axis };
-    let cos_light = cos_less(cos_nearest, ball);
-    let cos_normal = from.normal.dot(direction).max(-one).min(one);
-    let cos_receiver = cos_less(cos_normal, ball).max(zero);
-    let cosines = L::select(near, one, cos_light * cos_receiver);
-    power * cosines * (inverse * inverse)
+    let distance2 = way.length2();
+    let along = Vec3::new(u, v, w).dot(way).abs();
+    // d cos(a - c) of the angle a to the axis and the cone's c; d where the way lies in the cone.
+    let nearest = if CONE {
+        let across = safe_sqrt((-along).mul_add(along, distance2));
+        let outside = along.mul_add(cos_cone, across * sin_cone);
+        L::select((across * cos_cone).le(along * sin_cone), distance2.sqrt(), outside)
+    } else {
+        along
+    };
+    let inverse = one / radius.mul_add(radius, distance2).max(L::splat(f32::MIN_POSITIVE));
+    let receiver = (from.normal.dot(way) + radius).max(zero);
+    power * (receiver * inverse) * ((nearest + radius) * inverse)
 }
+

@@ -4,7 +4,7 @@ use super::Samples;
 use super::queues::{Queues, ShadowQueue};
 use crate::accel::{BatchTracer, Bvh, RayLanes, RaySource, Streams};
 use crate::columns::Rows;
-use crate::lanes::{Kernel, Lanes, Vec3, Wide};
+use crate::lanes::{Kernel, Lanes, MAX_LANES, Vec3, Wide};
 
 /// The segments of connections: their ends lie off the light, so that they may be tested in full.
 #[inline(always)]
@@ -33,13 +33,18 @@ impl Kernel for Connect<'_> {
     #[inline(always)]
     fn run<W: Wide>(self) {
         let Self { q, bvh, tracer, samples } = self;
-        let shadows = &q.shadows;
-        tracer.trace::<W, true>(bvh, shadows.len(), shadows, |row, hit| {
-            if !hit.is_some() {
-                let at = Rows::range(row, 1);
-                samples.add::<f32>(1, shadows.slot::<f32>(&at), shadows.radiance(&at));
-            }
+        let Queues { shadows, open, .. } = q;
+        open.clear();
+        open.resize(shadows.len().div_ceil(MAX_LANES), 0);
+        // Rays end in any order; samples are added to in theirs.
+        tracer.trace::<W, true>(bvh, shadows.len(), &*shadows, |row, hit| {
+            open[row / MAX_LANES] |= u8::from(!hit.is_some()) << (row % MAX_LANES);
         });
-        q.shadows.clear();
+        for (group, &bits) in open.iter().enumerate() {
+            let first = group * MAX_LANES;
+            let rows = Rows::range(first, MAX_LANES.min(shadows.len() - first));
+            samples.add::<W>(u32::from(bits), shadows.slot::<W>(&rows), shadows.radiance(&rows));
+        }
+        shadows.clear();
     }
 }

@@ -60,7 +60,7 @@ impl Kernel for Emit<'_> {
             let normal = q.normals.as_ref().map_or(Vec3::splat([0.0; 3]), |normals| normals.normal(&rows));
             let first = q.firsts.as_ref().map_or(W::splat(f32::INFINITY), |firsts| firsts.density(&rows));
             let radiance = emitted_radiance(world, plan, &path, normal, first, &q.hits.gather(&rows));
-            samples.add(rows.count(), path.slot, radiance);
+            samples.add(rows.live(), path.slot, radiance);
         }
     }
 }

@@ -26,7 +26,7 @@ impl Kernel for Escape<'_> {
         for chunk in q.escaped.rows().chunks(MAX_LANES) {
             let rows = Rows::listed(chunk);
             let path = q.paths.gather::<W>(&rows);
-            samples.add(rows.count(), path.slot, background_radiance(background, &path));
+            samples.add(rows.live(), path.slot, background_radiance(background, &path));
         }
     }
 }

@@ -90,14 +90,16 @@ impl Samples {
         self.0.clear();
         self.0.resize(count, [0.0; 3]);
     }
-    /// Adds the first `count` lanes to their slots.
+    /// Adds the lanes whose bit is set to their slots.
     #[inline(always)]
-    pub fn add<L: Lanes>(&mut self, count: usize, slot: L::Uint, radiance: Vec3<L>) {
+    pub fn add<L: Lanes>(&mut self, mut bits: u32, slot: L::Uint, radiance: Vec3<L>) {
         let slots = slot.array();
-        for i in 0..count {
+        while bits != 0 {
+            let i = bits.trailing_zeros() as usize % L::N;
             let sample = &mut self.0[slots.as_ref()[i] as usize];
             let r = radiance.lane(i);
             *sample = [sample[0] + r[0], sample[1] + r[1], sample[2] + r[2]];
+            bits &= bits - 1;
         }
     }
     /// The samples, by slot.

@@ -125,6 +125,8 @@ pub struct Queues {
     pub(super) escaped: RowList,
     /// Which paths go on: a bit per row, eight rows to a byte.
     pub(super) alive: Vec<u8>,
+    /// Which connections nothing blocks, likewise.
+    pub(super) open: Vec<u8>,
 }
 
 impl Queues {
@@ -145,6 +147,7 @@ impl Queues {
             }),
             escaped: list(plan.escape),
             alive: Vec::with_capacity(n.div_ceil(MAX_LANES)),
+            open: Vec::with_capacity(if plan.connect { n.div_ceil(MAX_LANES) } else { 0 }),
         }
     }
     /// Ends the paths of the live lanes whose bit is set.
@@ -184,7 +187,7 @@ impl Plan {
             + if self.caustics() { FirstQueue::ROW_BYTES } else { 0 }
             + if self.connect { ShadowQueue::ROW_BYTES } else { 0 }
             + lists * size_of::<u32>()
-            // Its bit among those that go on, rounded up.
+            // Its bits among those that go on and those that nothing blocks, rounded up.
             + 1
     }
 }

@@ -219,10 +219,15 @@ where
     #[inline(always)]
     fn run<W: Wide>(self) {
         let Self { q, kind, world, plan, .. } = self;
+        let far = world.is_far();
         if plan.sole_kind() {
             let mut kept = 0;
             for first in (0..q.paths.len()).step_by(MAX_LANES) {
                 let rows = Rows::range(first, MAX_LANES.min(q.paths.len() - first));
+                let next = first + MAX_LANES;
+                if far && next < q.paths.len() {
+                    world.prefetch(q.hits.triangle::<W>(&Rows::range(next, MAX_LANES.min(q.paths.len() - next))));
+                }
                 let out = shade_group::<M, S, W>(q, &rows, world, plan);
                 let bits = out.alive.bits() & rows.live();
                 q.paths.put(kept, bits, out.path);
@@ -241,8 +246,12 @@ where
             return;
         }
         let list = std::mem::take(&mut q.by_kind[kind as usize]);
-        for chunk in list.rows().chunks(MAX_LANES) {
+        let mut chunks = list.rows().chunks(MAX_LANES).peekable();
+        while let Some(chunk) = chunks.next() {
             let rows = Rows::listed(chunk);
+            if let Some(next) = chunks.peek().filter(|_| far) {
+                world.prefetch(q.hits.triangle::<W>(&Rows::listed(next)));
+            }
             let out = shade_group::<M, S, W>(q, &rows, world, plan);
             q.paths.scatter(&rows, out.path);
             if M::TRANSMITS

@@ -9,9 +9,13 @@ pub use input::{MaterialInput, Mesh, Object, Size};
 use crate::camera::{Camera, View};
 use crate::error::Result;
 use crate::ids::LobeId;
+use crate::lanes::{LanesU32, prefetch_ends};
 use crate::light::{Lights, Targets};
 use crate::linear::DVec3;
 use crate::material::{Kind, Materials};
+
+/// Triangles whose corners and normals stay in the first cache, more or less.
+const NEAR: usize = 512;
 
 /// Collects the parts of a scene; [`WorldBuilder::build`] checks them and freezes them into a [`World`].
 #[derive(Clone, Debug)]
@@ -102,6 +106,20 @@ impl World {
     /// Corners of every triangle, in world coordinates.
     pub fn corners(&self) -> &[[[f32; 3]; 3]] {
         &self.corners
+    }
+    /// Whether what shading reads of triangles is more than the nearest cache holds.
+    pub(crate) fn is_far(&self) -> bool {
+        self.corners.len() > NEAR
+    }
+    /// Asks for what shading reads of a group of triangles, without waiting.
+    #[inline(always)]
+    pub(crate) fn prefetch<U: LanesU32>(&self, triangles: U) {
+        for &triangle in triangles.array().as_ref() {
+            prefetch_ends(&self.corners, triangle as usize);
+            if let Some(normals) = &self.normals {
+                prefetch_ends(normals, triangle as usize);
+            }
+        }
     }
     /// The camera, in world coordinates.
     pub fn view(&self) -> &View {

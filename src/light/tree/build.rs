@@ -153,9 +153,9 @@ fn add(tree: &mut Tree, set: &mut [u32], all: &[Bounds], whole: &Bounds, way: u3
         add(tree, left, all, &sides[0], way, level + 1),
         add(tree, right, all, &sides[1], way | 1 << level, level + 1),
     ];
-    let mut powers = [0.0; 8];
-    powers[..2].copy_from_slice(&sides.map(|b| b.power));
-    tree.nodes[number] = Node { bounds: sides.map(|b| b.row()), powers, children };
+    let mut scales = [0.0; 8];
+    scales[..4].copy_from_slice(sides.map(|b| b.scale()).as_flattened());
+    tree.nodes[number] = Node { bounds: sides.map(|b| b.row()), scales, children };
     number as u32
 }
 

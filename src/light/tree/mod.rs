@@ -15,8 +15,8 @@ const LEAF: u32 = 1 << 31;
 #[repr(align(128))]
 struct Node {
     bounds: [[f32; 8]; 2],
-    /// Powers of both children; the rest is unused.
-    powers: [f32; 8],
+    /// [`Bounds::scale`] of both children; the rest is unused.
+    scales: [f32; 8],
     /// Numbers of both children: nodes, or emitters with the [`LEAF`] bit.
     children: [u32; 2],
 }
@@ -47,9 +47,9 @@ impl<L: Lanes> Descent<L> {
     #[inline(always)]
     fn left(&self, tree: &Tree, from: &Receiver<L>) -> (L, L) {
         let node = |i: usize| &tree.nodes[self.at[i] as usize];
-        let [first, second, ..] = L::columns8(|i| &node(i).powers);
-        let left = importance::<L, true>(L::columns8(|i| &node(i).bounds[0]), first, from);
-        let total = left + importance::<L, true>(L::columns8(|i| &node(i).bounds[1]), second, from);
+        let [p, sin_p, q, sin_q, ..] = L::columns8(|i| &node(i).scales);
+        let left = importance::<L, true>(L::columns8(|i| &node(i).bounds[0]), [p, sin_p], from);
+        let total = left + importance::<L, true>(L::columns8(|i| &node(i).bounds[1]), [q, sin_q], from);
         (probability(left, total), L::select(total.gt(L::splat(0.0)), L::splat(1.0), L::splat(0.0)))
     }
     /// Takes each open lane to one child, `right` by its bits, that had probability `share`; what has arrived at an emitter
