@@ -90,4 +90,3 @@ pub fn importance<L: Lanes, const CONE: bool>(
     let receiver = (from.normal.dot(way) + radius).max(zero);
     power * (receiver * inverse) * ((nearest + radius) * inverse)
 }
-

@@ -77,7 +77,7 @@ impl Default for Settings {
 }
 
 /// Paths in flight per worker unless set: their queues fit a core's own cache.
-pub const DEFAULT_WAVE: usize = 2048;
+pub const DEFAULT_WAVE: usize = 4096;
 /// Paths in flight per worker at most.
 pub const MAX_WAVE: usize = 1 << 22;
 /// Light paths per camera path unless set, where the scene needs any.

@@ -21,9 +21,9 @@ use frame::Frame;
 use rays::{Later, Rays};
 
 /// Rays that are put in order of their ways at a time.
-const BATCH: usize = 2048;
+const BATCH: usize = 4096;
 /// Rays of one way that go through the tree together: they and their lists stay in the nearest cache.
-const STREAM: usize = 128;
+const STREAM: usize = 256;
 /// Rays that wait for kernel B.
 const WAITING: usize = 512;
 /// Rays of a list below which an inner node waits for kernel B.
