@@ -4,8 +4,6 @@ mod picture;
 
 pub use picture::Image;
 
-use bytemuck::Zeroable;
-
 /// Added to the squared reference where an error is divided by it, so that black pixels do not decide. The measure, relMSE,
 /// is that of Rousselle, Knaus and Zwicker (2011); the constant differs between papers, and figures of another are others.
 pub const RELATIVE_OFFSET: f64 = 0.01;
@@ -20,7 +18,7 @@ pub struct BadSample {
 }
 
 /// Sums of some pixels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Zeroable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pixel {
     /// Sum of the samples, linear RGB.
     pub sum: [f64; 3],
@@ -100,8 +98,7 @@ pub struct Film {
 impl Film {
     /// A film without samples.
     pub fn new(width: u32, height: u32) -> Self {
-        // Nothing is written here: the system makes a page of zeros when a worker first adds to it.
-        let pixels = bytemuck::zeroed_vec(width as usize * height as usize);
+        let pixels = vec![Pixel::default(); width as usize * height as usize];
         Self { width, height, pixels, splats: Vec::new(), light_paths: 0 }
     }
     /// Pixels across.

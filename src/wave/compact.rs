@@ -4,16 +4,18 @@ use super::queues::Queues;
 use crate::columns::Rows;
 use crate::lanes::{Kernel, MAX_LANES, Wide};
 
-/// Moves the rows that go on, and their hits, to the front of the queue.
+/// Moves the rows that go on to the front of the queue.
 pub struct Compact<'a> {
     pub q: &'a mut Queues,
+    /// Whether they have been shaded: then their hits stay behind. Else the normals do, which shading makes anew.
+    pub shaded: bool,
 }
 
 impl Kernel for Compact<'_> {
     type Out = ();
     #[inline(always)]
     fn run<W: Wide>(self) {
-        let q = self.q;
+        let Self { q, shaded } = self;
         let mut kept = 0;
         for (group, &alive) in q.alive.iter().enumerate() {
             let (first, bits) = (group * MAX_LANES, u32::from(alive));
@@ -21,11 +23,13 @@ impl Kernel for Compact<'_> {
             if first != kept || bits != rows.live() {
                 // What is overwritten lies before the end of this group, which has been read.
                 q.paths.put(kept, bits, q.paths.gather::<W>(&rows));
-                q.hits.put(kept, bits, q.hits.gather::<W>(&rows));
+                if !shaded {
+                    q.hits.put(kept, bits, q.hits.gather::<W>(&rows));
+                }
                 if let Some(scales) = &mut q.scales {
                     scales.put(kept, bits, scales.gather::<W>(&rows));
                 }
-                if let Some(normals) = &mut q.normals {
+                if shaded && let Some(normals) = &mut q.normals {
                     normals.put(kept, bits, normals.gather::<W>(&rows));
                 }
                 if let Some(firsts) = &mut q.firsts {
@@ -67,7 +71,7 @@ mod tests {
                 q.hits.put(slot as usize, 1, HitRow::<f32> { u: 0.0, v: 0.0, triangle: 100 + slot });
             }
             q.alive.extend(alive);
-            dispatch(Compact { q: &mut q });
+            dispatch(Compact { q: &mut q, shaded: false });
             let expected: Vec<u32> = (0..18).filter(|&i| alive[i as usize / 8] >> (i % 8) & 1 == 1).collect();
             assert_eq!(q.paths.len(), expected.len());
             for (row, &slot) in expected.iter().enumerate() {

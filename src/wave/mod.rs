@@ -175,7 +175,7 @@ impl<S: Sampler> Wave<S> {
             }
             if plan.sole_kind() {
                 // Without gaps, shading reads whole registers, and closes the gaps that it makes.
-                probe.stage(Stage::Compact, n, || dispatch(Compact { q }));
+                probe.stage(Stage::Compact, n, || dispatch(Compact { q, shaded: false }));
             }
             for &kind in &plan.kinds {
                 let hits = if plan.sole_kind() { q.paths.len() } else { q.by_kind[kind as usize].len() };
@@ -192,7 +192,7 @@ impl<S: Sampler> Wave<S> {
             if plan.kinds.is_empty() {
                 q.truncate(0);
             } else if !plan.sole_kind() {
-                probe.stage(Stage::Compact, q.paths.len(), || dispatch(Compact { q }));
+                probe.stage(Stage::Compact, q.paths.len(), || dispatch(Compact { q, shaded: true }));
             }
         }
     }

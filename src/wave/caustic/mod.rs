@@ -107,7 +107,7 @@ impl<S: Sampler> LightWave<S> {
             probe.stage(Stage::Expose, connections, || {
                 dispatch(Expose { to_camera, bvh, tracer: tracer.loose(), splats })
             });
-            probe.stage(Stage::Compact, n, || dispatch(super::compact::Compact { q }));
+            probe.stage(Stage::Compact, n, || dispatch(super::compact::Compact { q, shaded: true }));
         }
     }
 }
