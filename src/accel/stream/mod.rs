@@ -22,7 +22,7 @@ use rays::{Later, Rays};
 
 /// Rays that are put in order of their ways at a time.
 const BATCH: usize = 4096;
-/// Rays of one way that go through the tree together: they and their lists stay in the nearest cache.
+/// Rays of one way that go through the tree together: they and their lists stay in the cache of the core.
 const STREAM: usize = 256;
 /// Rays that wait for kernel B.
 const WAITING: usize = 512;
