@@ -111,7 +111,7 @@ fn write(path: &Path, mesh: &Mesh) -> Result<(), Box<dyn Error>> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let Args { folder } = Args::parse();
-    fs::create_dir_all(&folder)?;
+    fs::create_dir_all(&folder).map_err(|e| format!("{}: cannot create the folder: {e}", folder.display()))?;
     write(&folder.join("room.obj"), &room())?;
     for number in NUMBERS {
         let mesh = lights(number);

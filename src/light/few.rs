@@ -4,7 +4,7 @@ use super::FEW;
 use super::importance::{Bounds, Receiver, importance};
 use crate::lanes::{Lanes, LanesU32};
 
-/// What bounds an emitter, and its power.
+/// [`Bounds::row`] and [`Bounds::scale`] of an emitter.
 type Row = ([f32; 8], [f32; 2]);
 
 /// Emitters that are told apart one by one, [`FEW`] at most.
@@ -24,6 +24,7 @@ fn weigh<L: Lanes>(emitters: &[Row], from: &Receiver<L>) -> ([L; FEW], L) {
     (own, total)
 }
 
+/// As [`Few::pick`].
 #[inline(always)]
 fn pick<L: Lanes>(emitters: &[Row], from: &Receiver<L>, u: L) -> (L::Uint, L) {
     let (own, total) = weigh(emitters, from);
@@ -39,16 +40,6 @@ fn pick<L: Lanes>(emitters: &[Row], from: &Receiver<L>, u: L) -> (L::Uint, L) {
     (number.to_bits(), probability(chosen, total))
 }
 
-#[inline(always)]
-fn chance<L: Lanes>(emitters: &[Row], from: &Receiver<L>, emitter: L::Uint) -> L {
-    let (own, total) = weigh(emitters, from);
-    let (wanted, mut chosen) = (L::from_u24(emitter), L::splat(0.0));
-    for (i, (&own, _)) in own.iter().zip(emitters).enumerate() {
-        chosen = L::select(wanted.eq(L::splat(i as f32)), own, chosen);
-    }
-    probability(chosen, total)
-}
-
 impl Few {
     pub fn new(bounds: &[Bounds]) -> Self {
         Self { emitters: bounds.iter().map(|b| (b.row(), b.scale())).collect() }
@@ -57,7 +48,7 @@ impl Few {
     #[inline(always)]
     pub fn pick<L: Lanes>(&self, from: &Receiver<L>, u: L) -> (L::Uint, L) {
         match self.emitters[..] {
-            // The loops unroll.
+            // Of known length, the loops unroll.
             [a, b] => pick(&[a, b], from, u),
             _ => pick(&self.emitters, from, u),
         }
@@ -65,7 +56,12 @@ impl Few {
     /// Probability with which [`Self::pick`] chooses the given emitters.
     #[inline(always)]
     pub fn probability<L: Lanes>(&self, from: &Receiver<L>, emitter: L::Uint) -> L {
-        chance(&self.emitters, from, emitter)
+        let (own, total) = weigh(&self.emitters, from);
+        let (wanted, mut chosen) = (L::from_u24(emitter), L::splat(0.0));
+        for (i, (&own, _)) in own.iter().zip(&self.emitters).enumerate() {
+            chosen = L::select(wanted.eq(L::splat(i as f32)), own, chosen);
+        }
+        probability(chosen, total)
     }
     /// Bytes held.
     pub fn bytes(&self) -> usize {
