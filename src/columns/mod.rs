@@ -92,9 +92,9 @@ pub struct U;
 /// Three columns of `f32`.
 #[derive(Debug)]
 pub struct V3;
-/// Four columns of `u32`.
+/// Two columns of `u32`.
 #[derive(Debug)]
-pub struct U4;
+pub struct U2;
 
 impl Field for F {
     type Store = Column<f32>;
@@ -183,26 +183,25 @@ impl Field for V3 {
     }
 }
 
-impl Field for U4 {
-    type Store = [Column<u32>; 4];
-    type Value<L: Lanes> = [L::Uint; 4];
-    const BYTES: usize = 16;
-    fn with_rows(rows: usize) -> [Column<u32>; 4] {
+impl Field for U2 {
+    type Store = [Column<u32>; 2];
+    type Value<L: Lanes> = [L::Uint; 2];
+    const BYTES: usize = 8;
+    fn with_rows(rows: usize) -> [Column<u32>; 2] {
         std::array::from_fn(|_| U::with_rows(rows))
     }
     #[inline(always)]
-    fn gather<L: Lanes>(store: &[Column<u32>; 4], rows: &Rows) -> [L::Uint; 4] {
-        let [a, b, c, d] = store;
-        [U::gather::<L>(a, rows), U::gather::<L>(b, rows), U::gather::<L>(c, rows), U::gather::<L>(d, rows)]
+    fn gather<L: Lanes>([a, b]: &[Column<u32>; 2], rows: &Rows) -> [L::Uint; 2] {
+        [U::gather::<L>(a, rows), U::gather::<L>(b, rows)]
     }
     #[inline(always)]
-    fn scatter<L: Lanes>(store: &mut [Column<u32>; 4], rows: &Rows, value: [L::Uint; 4]) {
+    fn scatter<L: Lanes>(store: &mut [Column<u32>; 2], rows: &Rows, value: [L::Uint; 2]) {
         for (column, v) in store.iter_mut().zip(value) {
             U::scatter::<L>(column, rows, v);
         }
     }
     #[inline(always)]
-    fn append<L: Lanes>(store: &mut [Column<u32>; 4], at: usize, bits: u32, value: [L::Uint; 4]) {
+    fn append<L: Lanes>(store: &mut [Column<u32>; 2], at: usize, bits: u32, value: [L::Uint; 2]) {
         for (column, v) in store.iter_mut().zip(value) {
             U::append::<L>(column, at, bits, v);
         }
@@ -305,12 +304,12 @@ mod tests {
 
     columns! {
         /// A queue for the test.
-        pub struct TestQueue of TestRow { point: V3, weight: F, slot: U, state: U4, }
+        pub struct TestQueue of TestRow { point: V3, weight: F, slot: U, state: U2, }
     }
 
     fn row(i: f32) -> TestRow<f32> {
         let k = i as u32;
-        TestRow { point: Vec3::new(i, i + 0.1, i + 0.2), weight: -i, slot: k, state: [k, k + 1, k + 2, k + 3] }
+        TestRow { point: Vec3::new(i, i + 0.1, i + 0.2), weight: -i, slot: k, state: [k, k + 1] }
     }
 
     #[test]
@@ -319,10 +318,10 @@ mod tests {
         for i in 0..20 {
             q.append::<f32>(1, row(i as f32));
         }
-        assert_eq!((q.len(), TestQueue::ROW_BYTES), (20, 36));
+        assert_eq!((q.len(), TestQueue::ROW_BYTES), (20, 28));
         let group = q.gather::<F32x8>(&Rows::listed(&[3, 7, 9]));
         assert_eq!(group.weight.array(), [-3.0, -7.0, -9.0, -9.0, -9.0, -9.0, -9.0, -9.0]);
-        assert_eq!(group.state[3].array()[1], 10);
+        assert_eq!(group.state[1].array()[1], 8);
         q.scatter::<F32x8>(&Rows::listed(&[0, 2]), group);
         assert_eq!(q.slot::<f32>(&Rows::range(0, 1)), 3);
         assert_eq!(q.slot::<f32>(&Rows::range(1, 1)), 1, "rows between stay");

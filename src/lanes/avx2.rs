@@ -222,6 +222,20 @@ impl Lanes for Avx2 {
         Self::transpose([load(0), load(1), load(2), load(3), load(4), load(5), load(6), load(7)])
     }
     #[inline(always)]
+    fn columns4<'a>(row: impl Fn(usize) -> &'a [f32; 4]) -> [Self; 4] {
+        // Rows i and i + 4 side by side.
+        let (r0, r1): (__m256, __m256) = (cast([*row(0), *row(4)]), cast([*row(1), *row(5)]));
+        let (r2, r3): (__m256, __m256) = (cast([*row(2), *row(6)]), cast([*row(3), *row(7)]));
+        // SAFETY: see the module's documentation.
+        unsafe {
+            let (a0, a1) = (_mm256_unpacklo_ps(r0, r1), _mm256_unpackhi_ps(r0, r1));
+            let (a2, a3) = (_mm256_unpacklo_ps(r2, r3), _mm256_unpackhi_ps(r2, r3));
+            let (b0, b1) = (_mm256_shuffle_ps::<0x44>(a0, a2), _mm256_shuffle_ps::<0xee>(a0, a2));
+            let (b2, b3) = (_mm256_shuffle_ps::<0x44>(a1, a3), _mm256_shuffle_ps::<0xee>(a1, a3));
+            [Self(b0), Self(b1), Self(b2), Self(b3)]
+        }
+    }
+    #[inline(always)]
     fn array(self) -> [f32; 8] {
         cast(self.0)
     }

@@ -126,6 +126,10 @@ mod tests {
         fn run<W: Wide>(self) {
             let rows: [[f32; 8]; 8] = std::array::from_fn(|i| std::array::from_fn(|k| (10 * i + k) as f32));
             let (columns, transposed) = (W::columns8(|i| &rows[i]), W::transpose(rows.map(|r| W::load(&r))));
+            let four = W::columns4(|i| rows[i].last_chunk().expect("eight numbers hold four"));
+            for k in 0..4 {
+                assert_eq!(four[k].array(), std::array::from_fn(|i| rows[i][k + 4]));
+            }
             for k in 0..8 {
                 let expected = std::array::from_fn(|i| rows[i][k]);
                 assert_eq!((columns[k].array(), transposed[k].array()), (expected, expected));

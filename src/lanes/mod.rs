@@ -106,6 +106,8 @@ pub trait Lanes:
     fn load(src: &[f32]) -> Self;
     /// Eight columns from a row of eight numbers per lane: lane i of column k is `row(i)[k]`.
     fn columns8<'a>(row: impl Fn(usize) -> &'a [f32; 8]) -> [Self; 8];
+    /// Four columns from a row of four numbers per lane.
+    fn columns4<'a>(row: impl Fn(usize) -> &'a [f32; 4]) -> [Self; 4];
     /// The lanes one by one.
     fn array(self) -> Self::Array;
     /// Writes the lanes to `dst[0..N]`.

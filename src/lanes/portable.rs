@@ -182,6 +182,11 @@ impl Lanes for F32x8 {
         f32x8::transpose(std::array::from_fn(|i| f32x8::new(*row(i)))).map(Self)
     }
     #[inline(always)]
+    fn columns4<'a>(row: impl Fn(usize) -> &'a [f32; 4]) -> [Self; 4] {
+        let rows: [&[f32; 4]; 8] = std::array::from_fn(row);
+        std::array::from_fn(|k| Self::from_fn(|i| rows[i][k]))
+    }
+    #[inline(always)]
     fn array(self) -> [f32; 8] {
         self.0.to_array()
     }

@@ -91,6 +91,10 @@ impl Lanes for f32 {
         *row(0)
     }
     #[inline(always)]
+    fn columns4<'a>(row: impl Fn(usize) -> &'a [f32; 4]) -> [Self; 4] {
+        *row(0)
+    }
+    #[inline(always)]
     fn array(self) -> [f32; 1] {
         [self]
     }

@@ -58,6 +58,11 @@ impl<L: Lanes> Vec3<L> {
     pub fn normalize(self) -> Self {
         self * (L::splat(1.0) / self.length2().sqrt())
     }
+    /// The vector at length 1, where rounding alone has made it other than that: a Newton step, without a root or division.
+    #[inline(always)]
+    pub fn renormalize(self) -> Self {
+        self * self.length2().mul_add(L::splat(-0.5), L::splat(1.5))
+    }
     /// Product component by component.
     #[inline(always)]
     pub fn scale(self, o: Self) -> Self {

@@ -13,7 +13,7 @@ pub use emitter::{Emitter, LightTriangle, Shape};
 pub use importance::Receiver;
 pub use targets::{Ball, Targets};
 
-use crate::lanes::{Lanes, LanesU32, MAX_LANES, Vec3, largest_coordinate};
+use crate::lanes::{Lanes, LanesU32, MAX_LANES, Vec3};
 use crate::sampling::warp;
 use emission::ByPower;
 use few::Few;
@@ -69,6 +69,8 @@ pub struct Lights {
     /// What sampling reads of each emitter, in one cache line: corner, edges, normal, radiance, and one over the area,
     /// negative where it is a triangle.
     rows: Vec<[[f32; 8]; 2]>,
+    /// Per emitter, the largest coordinate of its corners.
+    reaches: Vec<f32>,
     /// Per luminous triangle, black ones included.
     seen: Vec<Seen>,
     choice: Choice,
@@ -99,10 +101,12 @@ impl Lights {
             _ => Choice::Many(Tree::new(&bounds)),
         };
         let rows = emitters.iter().map(Self::row).collect();
+        let reach = |e: &Emitter| e.corners().flatten().fold(0.0, |most: f32, c| most.max(c.abs()));
+        let reaches = emitters.iter().map(reach).collect();
         let powers: Vec<f64> = emitters.iter().map(Emitter::power).collect();
         let by_power = ByPower::new(&powers);
         let starts = emitters.iter().map(|e| (luminance(e.radiance) * by_power.inverse) as f32).collect();
-        Self { emitters, rows, seen, choice, by_power, starts }
+        Self { emitters, rows, reaches, seen, choice, by_power, starts }
     }
     fn row(e: &Emitter) -> [[f32; 8]; 2] {
         let ([ax, ay, az], [[ex, ey, ez], [fx, fy, fz]]) = (e.corner, e.edges);
@@ -139,8 +143,8 @@ impl Lights {
             Choice::Few(few) => few.bytes(),
             Choice::Many(tree) => tree.bytes(),
         };
-        // Per emitter also its share of the power, and the density with which light paths start on it.
-        let starts = 2 * size_of_val(&self.starts[..]);
+        // Per emitter also its reach, its share of the power, and the density with which light paths start on it.
+        let starts = 3 * size_of_val(&self.starts[..]);
         size_of_val(&self.emitters[..]) + size_of_val(&self.rows[..]) + size_of_val(&self.seen[..]) + starts + choice
     }
 
@@ -161,20 +165,33 @@ impl Lights {
         let numbers = number.array();
         let mut chosen = [0; MAX_LANES];
         chosen[..L::N].copy_from_slice(numbers.as_ref());
-        let row = |i: usize| &self.rows[chosen[i] as usize];
-        let [ax, ay, az, ex, ey, ez, fx, fy] = L::columns8(|i| &row(i)[0]);
-        let [fz, nx, ny, nz, red, green, blue, density] = L::columns8(|i| &row(i)[1]);
+        let [ax, ay, az, ex, ey, ez, fx, fy] = self.half_rows::<L>(&chosen, 0);
+        let [fz, nx, ny, nz, red, green, blue, density] = self.half_rows::<L>(&chosen, 1);
+        let reach = match self.choice {
+            Choice::Only => L::splat(self.reaches[0]),
+            _ => L::from_fn(|i| self.reaches[chosen[i] as usize]),
+        };
         let (a, e, f) = (Vec3::new(ax, ay, az), Vec3::new(ex, ey, ez), Vec3::new(fx, fy, fz));
         let (v, w) = warp::triangle(u);
         let half = density.lt(L::splat(0.0));
         let (v, w) = (L::select(half, v, u[0]), L::select(half, w, u[1]));
         LightPoint {
             point: e.mul_add(v, f.mul_add(w, a)),
-            reach: largest_coordinate([a, a + e, a + f]).max(largest_coordinate([a + e + f; 3])),
+            reach,
             normal: Vec3::new(nx, ny, nz),
             radiance: Vec3::new(red, green, blue),
             pdf_area: chance * density.abs(),
         }
+    }
+    /// One half of the rows of the given emitters. Where there is one emitter, nothing is looked up.
+    #[inline(always)]
+    fn half_rows<L: Lanes>(&self, chosen: &[u32; MAX_LANES], half: usize) -> [L; 8] {
+        if let Choice::Only = self.choice {
+            let [a, b, c, d, e, f, g, h] = self.rows[0][half];
+            let (a, b, c, d) = (L::splat(a), L::splat(b), L::splat(c), L::splat(d));
+            return [a, b, c, d, L::splat(e), L::splat(f), L::splat(g), L::splat(h)];
+        }
+        L::columns8(|i| &self.rows[chosen[i] as usize][half])
     }
     /// Radiance of luminous triangles, by their numbers, and the density per area with which [`Self::sample`] would have
     /// chosen a point on them from `from`.

@@ -10,10 +10,17 @@ use std::f32::consts::FRAC_1_PI;
 pub struct Diffuse;
 
 /// Share of light reflected, per channel.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct DiffuseRow {
     /// Linear RGB in [0, 1].
     pub color: [f32; 3],
+}
+
+impl From<DiffuseRow> for [f32; 4] {
+    fn from(row: DiffuseRow) -> Self {
+        let [r, g, b] = row.color;
+        [r, g, b, 0.0]
+    }
 }
 
 impl Lobe for Diffuse {
@@ -25,8 +32,8 @@ impl Lobe for Diffuse {
     type Params<L: Lanes> = Vec3<L>;
 
     #[inline(always)]
-    fn params<L: Lanes>(row: impl Fn(usize) -> DiffuseRow) -> Vec3<L> {
-        Vec3::from_fn(|i| row(i).color)
+    fn params<L: Lanes>([r, g, b, _]: [L; 4]) -> Vec3<L> {
+        Vec3::new(r, g, b)
     }
     #[inline(always)]
     fn sample<L: Lanes>(color: &Vec3<L>, _wo: Vec3<L>, _outside: L::Mask, u: [L; 3]) -> Scattered<L> {

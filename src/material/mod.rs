@@ -51,12 +51,12 @@ pub trait Lobe: Copy + Default + Send + Sync + 'static {
     const NUMBERS: usize;
     /// Name for people.
     const NAME: &'static str;
-    /// One material.
-    type Row: Copy + Default + Send + Sync + std::fmt::Debug;
+    /// One material: up to four numbers, which shading reads at once.
+    type Row: Copy + Into<[f32; 4]>;
     /// The materials of a group of rows.
     type Params<L: Lanes>: Copy;
-    /// Reads the materials of a group: lane i has `row(i)`.
-    fn params<L: Lanes>(row: impl Fn(usize) -> Self::Row) -> Self::Params<L>;
+    /// The materials of a group from their numbers.
+    fn params<L: Lanes>(numbers: [L; 4]) -> Self::Params<L>;
     /// Chooses a direction by `u`. `outside` tells where `wo` is on the front side of the surface.
     fn sample<L: Lanes>(p: &Self::Params<L>, wo: Vec3<L>, outside: L::Mask, u: [L; 3]) -> Scattered<L>;
     /// Evaluates a direction; zero for delta lobes and below the surface.
@@ -98,18 +98,18 @@ macro_rules! materials {
         /// All materials: one dense table per kind.
         #[derive(Clone, Debug, Default)]
         pub struct Materials {
-            $($table: Vec<<$kind as Lobe>::Row>,)*
+            $($table: Vec<[f32; 4]>,)*
             luminous: Vec<Luminous>,
         }
 
         $(
             impl Table<$kind> for Materials {
                 #[inline(always)]
-                fn rows(&self) -> &[<$kind as Lobe>::Row] {
+                fn rows(&self) -> &[[f32; 4]] {
                     &self.$table
                 }
                 fn add(&mut self, row: <$kind as Lobe>::Row) -> Option<LobeId> {
-                    self.$table.push(row);
+                    self.$table.push(row.into());
                     LobeId::new(Kind::$kind as usize, self.$table.len() - 1)
                 }
             }
@@ -147,8 +147,8 @@ materials! {
 
 /// The table of a lobe's materials.
 pub trait Table<M: Lobe> {
-    /// All rows.
-    fn rows(&self) -> &[M::Row];
+    /// All rows, each as its numbers.
+    fn rows(&self) -> &[[f32; 4]];
     /// Adds a row and returns its id; `None` past 2^28 rows.
     fn add(&mut self, row: M::Row) -> Option<LobeId>;
 }

@@ -8,10 +8,17 @@ use crate::lanes::{Lanes, Mask, Vec3};
 pub struct Specular;
 
 /// Share of light reflected, per channel.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct SpecularRow {
     /// Linear RGB in [0, 1].
     pub color: [f32; 3],
+}
+
+impl From<SpecularRow> for [f32; 4] {
+    fn from(row: SpecularRow) -> Self {
+        let [r, g, b] = row.color;
+        [r, g, b, 0.0]
+    }
 }
 
 impl Lobe for Specular {
@@ -23,8 +30,8 @@ impl Lobe for Specular {
     type Params<L: Lanes> = Vec3<L>;
 
     #[inline(always)]
-    fn params<L: Lanes>(row: impl Fn(usize) -> SpecularRow) -> Vec3<L> {
-        Vec3::from_fn(|i| row(i).color)
+    fn params<L: Lanes>([r, g, b, _]: [L; 4]) -> Vec3<L> {
+        Vec3::new(r, g, b)
     }
     #[inline(always)]
     fn sample<L: Lanes>(color: &Vec3<L>, wo: Vec3<L>, _outside: L::Mask, _u: [L; 3]) -> Scattered<L> {

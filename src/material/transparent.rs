@@ -8,12 +8,19 @@ use crate::lanes::{Lanes, Vec3, safe_sqrt, select3};
 pub struct Transparent;
 
 /// One dielectric.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct TransparentRow {
     /// What passes through the surface is multiplied by this, per channel.
     pub color: [f32; 3],
     /// Index of refraction on the back side against 1 on the front side.
     pub ref_index: f32,
+}
+
+impl From<TransparentRow> for [f32; 4] {
+    fn from(row: TransparentRow) -> Self {
+        let [r, g, b] = row.color;
+        [r, g, b, row.ref_index]
+    }
 }
 
 /// The dielectrics of a group of rows.
@@ -48,8 +55,8 @@ impl Lobe for Transparent {
     type Params<L: Lanes> = TransparentParams<L>;
 
     #[inline(always)]
-    fn params<L: Lanes>(row: impl Fn(usize) -> TransparentRow) -> TransparentParams<L> {
-        TransparentParams { color: Vec3::from_fn(|i| row(i).color), ref_index: L::from_fn(|i| row(i).ref_index) }
+    fn params<L: Lanes>([r, g, b, ref_index]: [L; 4]) -> TransparentParams<L> {
+        TransparentParams { color: Vec3::new(r, g, b), ref_index }
     }
     #[inline(always)]
     fn sample<L: Lanes>(p: &TransparentParams<L>, wo: Vec3<L>, outside: L::Mask, u: [L; 3]) -> Scattered<L> {
@@ -114,7 +121,7 @@ mod tests {
 
     #[test]
     fn refraction_obeys_snell_and_reflection_is_total_past_the_critical_angle() {
-        let p = Transparent::params(|_| TransparentRow { color: [1.0; 3], ref_index: 1.5 });
+        let p = Transparent::params(TransparentRow { color: [1.0; 3], ref_index: 1.5 }.into());
         for outside in [true, false] {
             let eta: f64 = if outside { 1.5 } else { 1.0 / 1.5 };
             for theta in [0.0, 10.0, 30.0, 41.0, 42.5, 60.0, 89.0] {
@@ -135,7 +142,7 @@ mod tests {
 
     #[test]
     fn equal_indices_are_invisible() {
-        let p = Transparent::params(|_| TransparentRow { color: [1.0; 3], ref_index: 1.0 });
+        let p = Transparent::params(TransparentRow { color: [1.0; 3], ref_index: 1.0 }.into());
         for theta in [0.0, 45.0, 89.9] {
             let wo = direction(theta, 0.1);
             let s = Transparent::sample(&p, wo, true, [0.0; 3]);

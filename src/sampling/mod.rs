@@ -7,14 +7,14 @@ pub mod warp;
 mod xoshiro;
 
 pub use dims::Decision;
-pub use mis::power_heuristic;
+pub use mis::{power_heuristic, power_heuristic_over_pdf};
 pub use sobol::Sobol;
 pub use xoshiro::Xoshiro;
 
 use crate::lanes::Lanes;
 
-/// State of a path's random numbers: four integers per lane, whose meaning belongs to the sampler.
-pub type State<L> = [<L as Lanes>::Uint; 4];
+/// State of a path's random numbers: two integers per lane, whose meaning belongs to the sampler.
+pub type State<L> = [<L as Lanes>::Uint; 2];
 
 /// Source of the random numbers of a path, keyed by (seed, pixel, sample).
 pub trait Sampler: Copy + Default + Send + Sync + 'static {

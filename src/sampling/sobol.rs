@@ -26,6 +26,14 @@ fn hash<U: LanesU32>(x: U) -> U {
     x.xor(x.shr(16))
 }
 
+/// A seed of its own from a hash: the product with an odd number, whose upper half is added to the lower one, because a
+/// scramble's first digit depends on the lowest bit.
+#[inline(always)]
+fn derived<U: LanesU32>(hashed: U, odd: u32) -> U {
+    let product = hashed.mul(constant(odd));
+    product.xor(product.shr(16))
+}
+
 /// Exchanges the bits under `mask` with those `by` above them. No closure, because a closure need not be inlined.
 #[inline(always)]
 fn swap<U: LanesU32>(x: U, by: u32, mask: u32) -> U {
@@ -70,12 +78,12 @@ impl Sampler for Sobol {
         let block = hash(sample.shr(BLOCK_BITS));
         let key = hash(hash(pixel.add(seed)).xor(seed).add(block));
         let index = sample.and(constant((1 << BLOCK_BITS) - 1));
-        [key, reverse_bits(index), constant(0), constant(0)]
+        [key, reverse_bits(index)]
     }
 
     #[inline(always)]
     fn draw<L: Lanes, const N: usize>(state: &mut State<L>, decision: Decision, depth: L::Uint) -> [L; N] {
-        let [key, reversed_index, ..] = *state;
+        let [key, reversed_index] = *state;
         let first = depth.mul(constant(Decision::PAIRS)).add(constant(decision.pair()));
         let mut numbers = [L::splat(0.0); N];
         for (k, two) in numbers.chunks_mut(2).enumerate() {
@@ -83,10 +91,10 @@ impl Sampler for Sobol {
             let seed = hash(key.add(pair.mul(constant(0x9e37_79b9))));
             let index = reverse_bits(owen_reversed(reversed_index, seed));
             // The first dimension is the index with its bits reversed.
-            let scrambled = owen_reversed(index, hash(seed.xor(constant(0x632b_e59b))));
+            let scrambled = owen_reversed(index, derived(seed, 0x632b_e59b));
             two[0] = L::unit_from_u32(reverse_bits(scrambled));
             if let [_, second] = two {
-                let scrambled = owen_reversed(second_reversed(index), hash(seed.xor(constant(0xc657_cb36))));
+                let scrambled = owen_reversed(second_reversed(index), derived(seed, 0xc657_cb37));
                 *second = L::unit_from_u32(reverse_bits(scrambled));
             }
         }
@@ -98,6 +106,7 @@ impl Sampler for Sobol {
 mod tests {
     use super::*;
     use crate::lanes::{Kernel, Wide, dispatch};
+    use statrs::distribution::{ChiSquared, ContinuousCDF};
 
     fn points(pixel: u32, n: u32, decision: Decision) -> Vec<[f32; 3]> {
         (0..n)
@@ -157,6 +166,30 @@ mod tests {
         };
         let same = (0..256).filter(|&i| at(i) == at(i + (1 << BLOCK_BITS))).count();
         assert!(same <= 1, "{same} of 256 numbers repeat");
+    }
+
+    /// Over pixels, a point's digits are independent in both dimensions and between decisions: chi-squared over 32 x 32
+    /// cells of their first five. 6 tests at 10^-3 in all (Sidak): each at 1.7e-4.
+    #[test]
+    fn scrambles_of_pixels_and_dimensions_are_independent() {
+        let n = 200_000u32;
+        for sample in [0, 5] {
+            let mut counts = vec![[0u32; 1024]; 3];
+            for pixel in 0..n {
+                let mut s = Sobol::start::<f32>(1, pixel, sample);
+                let [a, b] = Sobol::draw::<f32, 2>(&mut s, Decision::Light, 1);
+                let [c, d] = Sobol::draw::<f32, 2>(&mut s, Decision::Scatter, 1);
+                for (k, [x, y]) in [[a, b], [a, c], [b, d]].into_iter().enumerate() {
+                    counts[k][(x * 32.0) as usize * 32 + (y * 32.0) as usize] += 1;
+                }
+            }
+            for cells in counts {
+                let expected = f64::from(n) / 1024.0;
+                let chi2: f64 = cells.iter().map(|&c| (f64::from(c) - expected).powi(2) / expected).sum();
+                let p = ChiSquared::new(1023.0).unwrap().sf(chi2);
+                assert!(p > 1.7e-4, "sample {sample}: p = {p}");
+            }
+        }
     }
 
     /// Numbers of pixels 0 to 7.

@@ -1,11 +1,13 @@
-//! Independent streams: xoshiro128++ (Blackman and Vigna 2021), one per (seed, pixel, sample), in lanes.
+//! Independent streams: xoroshiro64* (Blackman and Vigna 2021), one per (seed, pixel, sample), in lanes.
 
 use super::{Decision, Sampler, State};
 use crate::lanes::{Lanes, LanesU32, MAX_LANES};
 use rand_xoshiro::SplitMix64;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
-/// Independent pseudo-random streams. Lane i gives the very stream of `rand_xoshiro::Xoshiro128PlusPlus`.
+/// Independent pseudo-random streams. Lane i gives the very stream of `rand_xoshiro::Xoroshiro64Star`, whose upper bits make
+/// the numbers; its state is that of two columns. Different samples begin at different states: what mixes the key is
+/// one-to-one. (One state of 2^64 is all zeros and stays so.)
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Xoshiro;
 
@@ -18,30 +20,22 @@ impl Sampler for Xoshiro {
     #[inline(always)]
     fn start<L: Lanes>(seed: u64, pixel: L::Uint, sample: L::Uint) -> State<L> {
         let (pixel, sample) = (pixel.array(), sample.array());
-        let mut states = [[0u32; MAX_LANES]; 4];
+        let mut states = [[0u32; MAX_LANES]; 2];
         for (i, (&pixel, &sample)) in pixel.as_ref().iter().zip(sample.as_ref()).enumerate() {
-            let mut mix = SplitMix64::seed_from_u64(key(seed, pixel, sample));
-            let (a, b) = (mix.next_u64(), mix.next_u64());
-            for (k, half) in [a as u32, (a >> 32) as u32, b as u32, (b >> 32) as u32].into_iter().enumerate() {
-                states[k][i] = half;
-            }
+            let mixed = SplitMix64::seed_from_u64(key(seed, pixel, sample)).next_u64();
+            (states[0][i], states[1][i]) = (mixed as u32, (mixed >> 32) as u32);
         }
-        let column = |k: usize| L::Uint::load(&states[k]);
-        [column(0), column(1), column(2), column(3)]
+        states.map(|s| L::Uint::load(&s))
     }
 
     #[inline(always)]
     fn draw<L: Lanes, const N: usize>(s: &mut State<L>, _decision: Decision, _depth: L::Uint) -> [L; N] {
         let mut numbers = [L::splat(0.0); N];
         for number in &mut numbers {
-            let result = s[0].add(s[3]).rotl(7).add(s[0]);
-            let t = s[1].shl(9);
-            s[2] = s[2].xor(s[0]);
-            s[3] = s[3].xor(s[1]);
-            s[1] = s[1].xor(s[2]);
-            s[0] = s[0].xor(s[3]);
-            s[2] = s[2].xor(t);
-            s[3] = s[3].rotl(11);
+            let result = s[0].mul(L::Uint::splat(0x9e37_79bb));
+            let both = s[0].xor(s[1]);
+            s[0] = s[0].rotl(26).xor(both).xor(both.shl(9));
+            s[1] = both.rotl(13);
             *number = L::unit_from_u32(result);
         }
         numbers
@@ -52,14 +46,13 @@ impl Sampler for Xoshiro {
 mod tests {
     use super::*;
     use crate::lanes::{F32x8, U32x8};
-    use rand_xoshiro::Xoshiro128PlusPlus;
+    use rand_xoshiro::Xoroshiro64Star;
 
     #[test]
     fn lanes_give_the_stream_of_rand_xoshiro() {
         let pixels = U32x8::from_fn(|i| 1000 * i as u32 + 7);
         let mut state = Xoshiro::start::<F32x8>(42, pixels, U32x8::splat(3));
-        let mut oracles: Vec<_> =
-            (0..8u32).map(|i| Xoshiro128PlusPlus::seed_from_u64(key(42, 1000 * i + 7, 3))).collect();
+        let mut oracles: Vec<_> = (0..8u32).map(|i| Xoroshiro64Star::seed_from_u64(key(42, 1000 * i + 7, 3))).collect();
         for draw in 0..1000 {
             let [x] = Xoshiro::draw::<F32x8, 1>(&mut state, Decision::Scatter, U32x8::splat(0));
             for (i, oracle) in oracles.iter_mut().enumerate() {

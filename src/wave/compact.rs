@@ -65,7 +65,7 @@ mod tests {
                     prev_pdf: 0.0,
                     slot,
                     depth: 0,
-                    rng: [0; 4],
+                    rng: [0; 2],
                 };
                 q.paths.append(1, path);
                 q.hits.put(slot as usize, 1, HitRow::<f32> { u: 0.0, v: 0.0, triangle: 100 + slot });

@@ -21,7 +21,7 @@ columns! {
         /// Bounces so far.
         depth: U,
         /// State of the random numbers.
-        rng: U4,
+        rng: U2,
     }
 }
 
@@ -226,15 +226,15 @@ pub(super) mod tests {
             MaterialInput::Luminous { radiance: [1.0; 3] },
         );
         let all = plan(&[matt, diffuse.clone(), mirror.clone(), glass, lamp.clone()], 1.0);
-        assert!(all.path_bytes() <= 160, "{} bytes", all.path_bytes());
+        assert!(all.path_bytes() <= 152, "{} bytes", all.path_bytes());
         let box_ = plan(&[diffuse, lamp.clone()], 0.0);
         let q = Queues::new(&box_);
         assert!(q.scales.is_none() && q.escaped.rows.is_empty() && q.by_kind[..4].iter().all(|l| l.rows.is_empty()));
         assert!(box_.sole_kind() && box_.connect && !box_.transmit && !box_.smooth && !box_.escape);
-        // 64 of the path, 12 of the hit, 40 of the connection, a list for lights, a flag.
-        assert_eq!(box_.path_bytes(), 64 + 12 + 40 + 4 + 1);
+        // 56 of the path, 12 of the hit, 40 of the connection, a list for lights, a flag.
+        assert_eq!(box_.path_bytes(), 56 + 12 + 40 + 4 + 1);
         // Nothing can be connected to from a mirror.
         let mirrors = plan(&[mirror, lamp], 0.0);
-        assert!(!mirrors.connect && mirrors.path_bytes() == 64 + 12 + 4 + 1);
+        assert!(!mirrors.connect && mirrors.path_bytes() == 56 + 12 + 4 + 1);
     }
 }

@@ -8,7 +8,7 @@ use crate::columns::Rows;
 use crate::lanes::{Frame, Kernel, Lanes, LanesU32, MAX_LANES, Mask, Vec3, Wide, select3};
 use crate::light::Receiver;
 use crate::material::{Evaluated, Kind, Lobe, Materials, Table};
-use crate::sampling::{Decision, Sampler, power_heuristic};
+use crate::sampling::{Decision, Sampler, power_heuristic_over_pdf};
 use crate::world::World;
 use std::marker::PhantomData;
 
@@ -64,12 +64,7 @@ where
 {
     let ids = hit.triangle.array();
     let rows = Table::<M>::rows(&world.materials);
-    // Looked up once, whatever the number of parameters.
-    let mut chosen = [M::Row::default(); MAX_LANES];
-    for (row, &id) in chosen.iter_mut().zip(ids.as_ref()) {
-        *row = rows[world.lobes[id as usize].row()];
-    }
-    M::params::<L>(|i| chosen[i])
+    M::params(L::columns4(|i| &rows[world.lobes[ids.as_ref()[i] as usize].row()]))
 }
 
 /// Density of a path's first bounce as [`First`] has it: `pdf` that of the direction of scattering at `surface`, `wi`, per
@@ -113,12 +108,13 @@ pub(super) fn draw<M: Lobe, S: Sampler, L: Lanes>(path: &mut Path<L>) -> [L; 3] 
 pub(super) fn alive<S: Sampler, L: Lanes>(path: &mut Path<L>, scale: L) -> L::Mask {
     let one = L::splat(1.0);
     let [coin] = S::draw::<L, 1>(&mut path.rng, Decision::Roulette, path.depth);
-    let energy = path.throughput.max_component() / scale;
+    let energy = path.throughput.max_component();
     path.depth = path.depth.add(L::Uint::splat(1));
     let plays = L::from_u24(path.depth).gt(L::splat(ROULETTE_FROM as f32));
-    let chance = L::select(plays, (energy * L::splat(ROULETTE)).min(one), one);
-    path.throughput = path.throughput * (one / chance.max(L::splat(f32::MIN_POSITIVE)));
-    coin.lt(chance) & energy.gt(L::splat(0.0))
+    // One over the chance to go on.
+    let weight = L::select(plays, (scale / (energy * L::splat(ROULETTE))).max(one), one);
+    path.throughput = path.throughput * weight;
+    (coin * weight).lt(one) & energy.gt(L::splat(0.0))
 }
 
 /// One bounce of a group of paths at surfaces of kind `M`.
@@ -158,13 +154,15 @@ where
         let wi = way * (one / distance2.sqrt());
         let cos_light = light.normal.dot(wi);
         let lobe = eval::<M, L>(world, &p, &surface, &frame, wo, wi);
-        let pdf = light.pdf_area * distance2 / cos_light.abs();
+        // One over the density per solid angle.
+        let inverse = cos_light.abs() / (light.pdf_area * distance2);
         let weight = match plan.prev_pdf {
-            PrevPdf::Density => power_heuristic(pdf, lobe.pdf),
-            PrevPdf::Never | PrevPdf::Always => one,
+            PrevPdf::Density => power_heuristic_over_pdf(inverse, lobe.pdf),
+            PrevPdf::Never | PrevPdf::Always => inverse,
         };
-        let radiance = path.throughput.scale(lobe.f_cos).scale(light.radiance) * (weight / pdf);
-        connected = wi.dot(surface.ng).gt(zero) & lobe.pdf.gt(zero) & radiance.max_component().gt(zero) & pdf.gt(zero);
+        let radiance = path.throughput.scale(lobe.f_cos).scale(light.radiance) * weight;
+        let found = lobe.pdf.gt(zero) & light.pdf_area.gt(zero);
+        connected = wi.dot(surface.ng).gt(zero) & found & radiance.max_component().gt(zero);
         let toward = select3(cos_light.gt(zero), -light.normal, light.normal);
         // The way itself is rounded too, by its own length.
         let end = off_surface(light.point, light.reach + distance2.sqrt(), toward);
@@ -172,7 +170,7 @@ where
     }
 
     let scattered = M::sample(&p, wo, surface.outside, draw::<M, S, L>(&mut path));
-    let unfolded = frame.to_world(scattered.wi).normalize();
+    let unfolded = frame.to_world(scattered.wi).renormalize();
     let wi = surface.fold(unfolded, scattered.transmitted);
     path.prev_pdf = match plan.prev_pdf {
         _ if M::DELTA => L::splat(f32::INFINITY),

@@ -53,7 +53,7 @@ where
     };
 
     let scattered = M::sample(&p, local, surface.outside, draw::<M, S, L>(&mut path));
-    let wo = frame.to_world(scattered.wi).normalize();
+    let wo = frame.to_world(scattered.wi).renormalize();
     let cosines = (surface.ns.dot(wi) * surface.ng.dot(wo)).abs();
     let others = (surface.ns.dot(wo) * surface.ng.dot(wi)).abs();
     path.throughput = path.throughput.scale(scattered.weight) * (cosines / (others * scattered.radiance_scale));
