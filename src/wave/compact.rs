@@ -7,7 +7,8 @@ use crate::lanes::{Kernel, MAX_LANES, Wide};
 /// Moves the rows that go on to the front of the queue.
 pub struct Compact<'a> {
     pub q: &'a mut Queues,
-    /// Whether they have been shaded: then their hits stay behind. Else the normals do, which shading makes anew.
+    /// Whether they have been shaded: then their hits stay behind. Else what shading makes anew does: where rays began, with
+    /// which density, and normals. (A wave that shades more than one kind removes paths after that only.)
     pub shaded: bool,
 }
 
@@ -22,8 +23,11 @@ impl Kernel for Compact<'_> {
             let rows = Rows::range(first, MAX_LANES.min(q.paths.len() - first));
             if first != kept || bits != rows.live() {
                 // What is overwritten lies before the end of this group, which has been read.
-                q.paths.put(kept, bits, q.paths.gather::<W>(&rows));
-                if !shaded {
+                let paths = q.paths.gather::<W>(&rows);
+                if shaded {
+                    q.paths.put(kept, bits, paths);
+                } else {
+                    q.paths.put_unshaded(kept, bits, paths);
                     q.hits.put(kept, bits, q.hits.gather::<W>(&rows));
                 }
                 if let Some(scales) = &mut q.scales {
@@ -52,31 +56,39 @@ mod tests {
     use crate::world::MaterialInput;
 
     #[test]
-    fn what_goes_on_keeps_its_order_and_its_hit() {
+    fn what_goes_on_keeps_its_order_and_what_is_read_again() {
         let plan = plan(&[MaterialInput::Diffuse { color: [0.5; 3], mattness: 1.0 }], 1.0);
-        let zero = Vec3::splat([0.0; 3]);
         for alive in [[0xffu8, 0xff, 0x03], [0, 0, 0], [0x81, 0xff, 0x02], [0xff, 0x7f, 0x01], [0, 0x10, 0]] {
-            let mut q = Queues::new(&plan);
-            for slot in 0..18 {
-                let path = Path::<f32> {
-                    origin: zero,
-                    direction: zero,
-                    throughput: zero,
-                    prev_pdf: 0.0,
-                    slot,
-                    depth: 0,
-                    rng: [0; 2],
-                };
-                q.paths.append(1, path);
-                q.hits.put(slot as usize, 1, HitRow::<f32> { u: 0.0, v: 0.0, triangle: 100 + slot });
-            }
-            q.alive.extend(alive);
-            dispatch(Compact { q: &mut q, shaded: false });
-            let expected: Vec<u32> = (0..18).filter(|&i| alive[i as usize / 8] >> (i % 8) & 1 == 1).collect();
-            assert_eq!(q.paths.len(), expected.len());
-            for (row, &slot) in expected.iter().enumerate() {
-                let at = Rows::range(row, 1);
-                assert_eq!((q.paths.slot::<f32>(&at), q.hits.triangle::<f32>(&at)), (slot, 100 + slot));
+            for shaded in [false, true] {
+                let mut q = Queues::new(&plan);
+                for slot in 0..18 {
+                    let at = |k: u32| Vec3::splat([(k + slot) as f32; 3]);
+                    let path = Path::<f32> {
+                        origin: at(200),
+                        direction: at(300),
+                        throughput: at(400),
+                        prev_pdf: (500 + slot) as f32,
+                        slot,
+                        depth: 600 + slot,
+                        rng: [700 + slot, 800 + slot],
+                    };
+                    q.paths.append(1, path);
+                    q.hits.put(slot as usize, 1, HitRow::<f32> { u: 0.0, v: 0.0, triangle: 100 + slot });
+                }
+                q.alive.extend(alive);
+                dispatch(Compact { q: &mut q, shaded });
+                let expected: Vec<u32> = (0..18).filter(|&i| alive[i as usize / 8] >> (i % 8) & 1 == 1).collect();
+                assert_eq!(q.paths.len(), expected.len());
+                for (row, &slot) in expected.iter().enumerate() {
+                    let path = q.paths.gather::<f32>(&Rows::range(row, 1));
+                    assert_eq!((path.slot, path.depth, path.rng), (slot, 600 + slot, [700 + slot, 800 + slot]));
+                    assert_eq!((path.direction.x, path.throughput.z), ((300 + slot) as f32, (400 + slot) as f32));
+                    if shaded {
+                        assert_eq!((path.origin.y, path.prev_pdf), ((200 + slot) as f32, (500 + slot) as f32));
+                    } else {
+                        assert_eq!(q.hits.triangle::<f32>(&Rows::range(row, 1)), 100 + slot);
+                    }
+                }
             }
         }
     }

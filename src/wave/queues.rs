@@ -1,7 +1,7 @@
 //! The state of a wave: paths, hits, shadow rays in columns, and lists of rows.
 
 use super::plan::Plan;
-use crate::columns::{Column, Rows, columns};
+use crate::columns::{Column, Field, Rows, U, U2, V3, columns};
 use crate::lanes::{LanesU32, MAX_LANES, Wide};
 use crate::material::Kind;
 
@@ -22,6 +22,20 @@ columns! {
         depth: U,
         /// State of the random numbers.
         rng: U2,
+    }
+}
+
+impl PathQueue {
+    /// [`Self::put`] before shading: where rays began, and with which density, is made anew there.
+    #[inline(always)]
+    pub(super) fn put_unshaded<W: Wide>(&mut self, at: usize, bits: u32, path: Path<W>) {
+        // Named in full, so that no new field is forgotten.
+        let Self { len: _, origin: _, direction, throughput, prev_pdf: _, slot, depth, rng } = self;
+        V3::append::<W>(direction, at, bits, path.direction);
+        V3::append::<W>(throughput, at, bits, path.throughput);
+        U::append::<W>(slot, at, bits, path.slot);
+        U::append::<W>(depth, at, bits, path.depth);
+        U2::append::<W>(rng, at, bits, path.rng);
     }
 }
 
