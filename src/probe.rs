@@ -20,6 +20,8 @@ pub enum Stage {
     Shade,
     /// Shadow rays and direct light.
     Connect,
+    /// Second paths, towards mirrors and glass.
+    Aim,
     /// Removal of paths that ended.
     Compact,
     /// Samples into pixels.
@@ -34,7 +36,7 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in order.
-    pub const ALL: [Stage; 12] = [
+    pub const ALL: [Stage; 13] = [
         Stage::Generate,
         Stage::Intersect,
         Stage::Route,
@@ -42,6 +44,7 @@ impl Stage {
         Stage::Emit,
         Stage::Shade,
         Stage::Connect,
+        Stage::Aim,
         Stage::Compact,
         Stage::Accumulate,
         Stage::Start,
@@ -58,6 +61,7 @@ impl Stage {
             Stage::Emit => "emit",
             Stage::Shade => "shade",
             Stage::Connect => "connect",
+            Stage::Aim => "aim",
             Stage::Compact => "compact",
             Stage::Accumulate => "accumulate",
             Stage::Start => "start",

@@ -41,7 +41,9 @@ pub fn run(args: &CheckArgs) -> Result<Exit, Exit> {
 fn by_chance(world: &World) -> String {
     let Settings { method, max_depth, wave_size, light_paths, .. } = Settings::default();
     let plan = Plan::new(world, method, max_depth, wave_size, light_paths);
-    plan.left_to_chance().unwrap_or("no light").to_owned()
+    let focused =
+        "no light; what mirrors and glass focus is found by light paths, and by paths aimed at where it comes from";
+    plan.left_to_chance().unwrap_or(if plan.caustics() { focused } else { "no light" }).to_owned()
 }
 
 fn point(p: impl Into<[f64; 3]>) -> String {

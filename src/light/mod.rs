@@ -5,12 +5,14 @@ mod emission;
 mod emitter;
 mod few;
 mod importance;
+mod spots;
 mod targets;
 mod tree;
 
 pub use emission::Emitted;
 pub use emitter::{Emitter, LightTriangle, Shape};
 pub use importance::Receiver;
+pub use spots::{Arrival, Spots};
 pub use targets::{Ball, Targets};
 
 use crate::lanes::{Lanes, LanesU32, MAX_LANES, Vec3};

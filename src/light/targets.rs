@@ -36,18 +36,23 @@ pub struct Targets(Vec<Ball>);
 
 /// The cone about a ball: its axis, and one minus the cosine of its half angle, 2 where the point is in the ball.
 #[derive(Clone, Copy, Debug)]
-struct Cone<L> {
-    axis: Vec3<L>,
-    height: L,
+pub(super) struct Cone<L> {
+    pub axis: Vec3<L>,
+    pub height: L,
 }
 
 impl<L: Lanes> Cone<L> {
     #[inline(always)]
-    fn about(ball: &Ball, point: Vec3<L>) -> Self {
+    fn of(ball: &Ball, point: Vec3<L>) -> Self {
+        Self::about(Vec3::splat(ball.centre), L::splat(ball.radius), point)
+    }
+    /// The cones about balls, seen from points.
+    #[inline(always)]
+    pub fn about(centre: Vec3<L>, radius: L, point: Vec3<L>) -> Self {
         let one = L::splat(1.0);
-        let way = Vec3::splat(ball.centre) - point;
+        let way = centre - point;
         let distance2 = way.length2();
-        let sin2 = L::splat(ball.radius * ball.radius) / distance2.max(L::splat(f32::MIN_POSITIVE));
+        let sin2 = radius * radius / distance2.max(L::splat(f32::MIN_POSITIVE));
         // 1 - cos without cancellation for narrow cones.
         let narrow = sin2 / (one + safe_sqrt(one - sin2));
         let axis = way * (one / distance2.max(L::splat(f32::MIN_POSITIVE)).sqrt());
@@ -55,10 +60,19 @@ impl<L: Lanes> Cone<L> {
     }
     /// Whether a unit direction lies in it.
     #[inline(always)]
-    fn holds(&self, direction: Vec3<L>) -> L::Mask {
+    pub fn holds(&self, direction: Vec3<L>) -> L::Mask {
         // One minus the cosine of the angle, from the chord.
         let below = (direction - self.axis).length2() * L::splat(0.5);
         below.le(self.height) | self.height.gt(L::splat(1.5))
+    }
+    /// A unit direction, uniform in it, by two uniform numbers.
+    #[inline(always)]
+    pub fn direction(&self, [u, v]: [L; 2]) -> Vec3<L> {
+        let below = u * self.height;
+        let sin = safe_sqrt(below * (L::splat(2.0) - below));
+        let (s, c) = sin_cos_turns(v);
+        let local = Vec3::new(sin * c, sin * s, L::splat(1.0) - below);
+        Frame::about(self.axis).to_world(local).normalize()
     }
 }
 
@@ -87,7 +101,7 @@ impl Targets {
         let (one, zero) = (L::splat(1.0), L::splat(0.0));
         let (mut heights, mut count) = (zero, zero);
         for ball in &self.0 {
-            let cone = Cone::about(ball, point);
+            let cone = Cone::of(ball, point);
             heights = heights + cone.height;
             count = count + L::select(cone.holds(direction), one, zero);
         }
@@ -99,23 +113,19 @@ impl Targets {
         let zero = L::splat(0.0);
         let mut all = zero;
         for ball in &self.0 {
-            all = all + Cone::about(ball, point).height;
+            all = all + Cone::of(ball, point).height;
         }
         let threshold = pick * all;
         let mut chosen = Cone { axis: Vec3::splat([0.0, 0.0, 1.0]), height: zero };
         let mut sum = zero;
         for ball in &self.0 {
-            let cone = Cone::about(ball, point);
+            let cone = Cone::of(ball, point);
             let here = sum.le(threshold);
             chosen.axis = select3(here, cone.axis, chosen.axis);
             chosen.height = L::select(here, cone.height, chosen.height);
             sum = sum + cone.height;
         }
-        let below = u * chosen.height;
-        let sin = safe_sqrt(below * (L::splat(2.0) - below));
-        let (s, c) = sin_cos_turns(v);
-        let local = Vec3::new(sin * c, sin * s, L::splat(1.0) - below);
-        Frame::about(chosen.axis).to_world(local).normalize()
+        chosen.direction([u, v])
     }
 }
 

@@ -12,6 +12,7 @@ pub use settings::{
 use crate::accel::{BuildOptions, Bvh};
 use crate::error::Result;
 use crate::film::{BadSample, Film};
+use crate::light::Spots;
 use crate::probe::{NoProbe, StageRow, StageTimes};
 use crate::sampling::{Sobol, Xoshiro};
 use crate::wave::{Context, Counts, Plan};
@@ -63,6 +64,10 @@ impl Control {
         self.rays.fetch_add(rays, Ordering::Relaxed);
     }
 }
+
+/// Seed of the light paths that show where focused light arrives: the same in all renders, so that what is looked for does not
+/// depend on what is found.
+const SURVEY_SEED: u64 = 0x5bd1_e995_85eb_ca6b;
 
 /// What a render gave.
 #[derive(Clone, Debug)]
@@ -181,15 +186,32 @@ impl Renderer {
         let mut rendered = if self.world.is_dark() {
             Rendered { error: settings.target_error.map(|_| 0.0), ..Rendered::of(black(film, settings)) }
         } else {
-            let rounds = Rounds { renderer: self, plan: &plan, settings, control, start };
-            match settings.target_error {
+            let (spots, survey) = self.survey(&plan, settings)?;
+            let rounds = Rounds { renderer: self, plan: &plan, spots: &spots, settings, control, start };
+            let mut rendered = match settings.target_error {
                 Some(target) => rounds.until_error(film, target),
                 None if settings.time < Duration::MAX => rounds.until_time(film),
                 None => rounds.all(film),
-            }?
+            }?;
+            rendered.counts.add(&survey.counts);
+            rendered.add_stages(survey.stages);
+            rendered
         };
         rendered.time = start.elapsed();
         Ok(rendered)
+    }
+    /// Finds out where focused light comes from, if the plan has paths that look for it.
+    fn survey(&self, plan: &Plan, settings: &Settings) -> Result<(Spots, Rendered)> {
+        let (spots, all) = (Spots::default(), Rendered::of(Film::new(0, 0)));
+        if !plan.caustics() {
+            return Ok((spots, all));
+        }
+        let cx = Context { world: &self.world, bvh: &self.bvh, plan, spots: &spots, seed: SURVEY_SEED };
+        let (arrivals, all) = match settings.time_stages {
+            false => schedule::survey::<NoProbe>(&cx, settings),
+            true => schedule::survey::<StageTimes>(&cx, settings),
+        }?;
+        Ok((Spots::new(&arrivals), all))
     }
     /// Adds a round of samples to a film.
     fn round(

@@ -3,11 +3,11 @@
 
 use crate::accel::{Hit, Ray, Scalar, Single};
 use crate::lanes::{Kernel, Vec3, Wide, dispatch};
-use crate::material::{Kind, for_kind};
+use crate::material::{Kind, Lobe, Materials, Table, for_kind};
 use crate::sampling::Sampler;
 use crate::wave::{
-    Context, Counts, HitRow, Job, Path, Reversed, Samples, Shaded, Splat, Splats, background_radiance, camera_paths,
-    emitted_radiance, light_paths, scatter_rows, shade_rows, shadow_rays,
+    Context, Counts, First, HitRow, Job, Path, Plan, Reversed, Samples, Shaded, Splat, Splats, aim_rows,
+    background_radiance, camera_paths, emitted_radiance, light_paths, scatter_rows, shade_rows, shadow_rays,
 };
 use std::marker::PhantomData;
 
@@ -18,6 +18,8 @@ pub(super) struct Reference {
     scalar: Scalar,
     samples: Samples,
     splats: Splats,
+    /// Of paths that look for focused light.
+    aimed: Plan,
 }
 
 impl Reference {
@@ -27,6 +29,7 @@ impl Reference {
             scalar: Scalar::new(cx.bvh),
             samples: Samples::default(),
             splats: Splats::default(),
+            aimed: cx.plan.of_aimed_paths(),
         }
     }
 
@@ -49,8 +52,8 @@ impl Reference {
         mut path: Path<f32>,
         counts: &mut Counts,
     ) {
-        let Context { world, bvh, plan, .. } = *cx;
-        let (mut scale, mut first, mut normal) = (1.0, f32::INFINITY, Vec3::splat([0.0; 3]));
+        let Context { world, bvh, plan, spots, .. } = *cx;
+        let (mut scale, mut first, mut normal) = (1.0, First::none(), Vec3::splat([0.0; 3]));
         loop {
             let ray = Ray { origin: path.origin.lane(0), direction: path.direction.lane(0), t_max: f32::INFINITY };
             let hit = if SCALAR { self.scalar.closest(bvh, &ray) } else { self.tracer.closest_as::<W>(bvh, &ray) };
@@ -64,7 +67,7 @@ impl Reference {
             let number = world.lobes[hit.triangle as usize].kind();
             let Some(&kind) = Kind::SCATTERING.get(number) else {
                 if plan.emit {
-                    self.add(path.slot, emitted_radiance(world, plan, &path, normal, first, &row));
+                    self.add(path.slot, emitted_radiance(world, plan, &path, normal, &first, &row));
                 }
                 return;
             };
@@ -73,7 +76,7 @@ impl Reference {
                 return;
             }
             let mut out: Option<Shaded<f32>> = None;
-            for_kind!(kind, M => out = Some(shade_rows::<M, S, f32>(world, plan, path, scale, first, &row)));
+            for_kind!(kind, M => out = Some(shade_rows::<M, S, f32>(world, plan, spots, path, scale, first, &row)));
             let Some(out) = out else { return };
             if out.connected {
                 counts.shadow += 1;
@@ -81,6 +84,9 @@ impl Reference {
                 if !(if SCALAR { self.scalar.any(bvh, &ray) } else { self.tracer.any_as::<W>(bvh, &ray) }) {
                     self.add(path.slot, out.shadow.radiance);
                 }
+            }
+            if out.aims.chosen {
+                for_kind!(kind, M => self.look::<M, S, W>(cx, Path { rng: out.aims.rng, ..path }, scale, &row, counts));
             }
             if !out.alive {
                 return;
@@ -90,10 +96,51 @@ impl Reference {
         }
     }
 
+    /// Looks for focused light from a surface that a path hit.
+    #[inline(always)]
+    fn look<M: Lobe, S: Sampler, W: Wide>(
+        &mut self,
+        cx: &Context<'_>,
+        path: Path<f32>,
+        scale: f32,
+        row: &HitRow<f32>,
+        counts: &mut Counts,
+    ) where
+        Materials: Table<M>,
+    {
+        let Context { world, bvh, spots, .. } = *cx;
+        let sent = aim_rows::<M, S, f32>(world, spots, path, scale, row);
+        let (mut path, mut scale, mut goes_on, mut bounced) = (sent.path, sent.scale, sent.worth, false);
+        while goes_on {
+            counts.bounce += 1;
+            let ray = Ray { origin: path.origin.lane(0), direction: path.direction.lane(0), t_max: f32::INFINITY };
+            let hit = self.tracer.closest_as::<W>(bvh, &ray);
+            let Some(lobe) = world.lobes.get(hit.triangle as usize) else { return };
+            let row = HitRow::<f32> { u: hit.u, v: hit.v, triangle: hit.triangle };
+            let Some(&kind) = Kind::SCATTERING.get(lobe.kind()) else {
+                if bounced {
+                    let (normal, first) = (Vec3::splat([0.0; 3]), First::none());
+                    self.add(path.slot, emitted_radiance(world, &self.aimed, &path, normal, &first, &row));
+                }
+                return;
+            };
+            if !kind.is_delta() || path.depth >= self.aimed.max_depth {
+                return;
+            }
+            let mut out: Option<Shaded<f32>> = None;
+            let none = First::none();
+            for_kind!(kind, M => {
+                out = Some(shade_rows::<M, S, f32>(world, &self.aimed, spots, path, scale, none, &row));
+            });
+            let Some(out) = out else { return };
+            (path, scale, goes_on, bounced) = (out.path, out.scale, out.alive, true);
+        }
+    }
+
     /// Traces the light paths from number `first` on, `count` of them, and returns what they bring to pixels.
     pub fn light<S: Sampler>(&mut self, cx: &Context<'_>, first: u64, count: usize, counts: &mut Counts) -> &[Splat] {
         self.splats.clear();
-        let Context { world, bvh, plan, seed } = *cx;
+        let Context { world, bvh, plan, seed, .. } = *cx;
         for slot in 0..count {
             let (mut path, scale) = light_paths::<S, f32>(world, seed, first, slot, slot);
             loop {

@@ -12,6 +12,7 @@ use super::schedule::Round;
 use super::{Control, Rendered, Renderer, Settings};
 use crate::error::Result;
 use crate::film::Film;
+use crate::light::Spots;
 use crate::wave::{Context, Plan};
 use std::time::{Duration, Instant};
 
@@ -26,6 +27,7 @@ const WHOLE: u32 = 64;
 pub(super) struct Rounds<'a> {
     pub renderer: &'a Renderer,
     pub plan: &'a Plan,
+    pub spots: &'a Spots,
     pub settings: &'a Settings,
     pub control: &'a Control,
     pub start: Instant,
@@ -114,8 +116,8 @@ impl Rounds<'_> {
     }
 
     fn round(&self, seed: u64, from: u32, to: u32, film: Film, deadline: Option<Instant>) -> Result<Rendered> {
-        let Self { renderer, plan, settings, control, .. } = *self;
-        let cx = Context { world: &renderer.world, bvh: &renderer.bvh, plan, seed };
+        let Self { renderer, plan, spots, settings, control, .. } = *self;
+        let cx = Context { world: &renderer.world, bvh: &renderer.bvh, plan, spots, seed };
         renderer.round(&cx, settings, &Round { samples: from..to, deadline }, film, control)
     }
     fn deadline(&self) -> Option<Instant> {

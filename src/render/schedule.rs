@@ -6,8 +6,9 @@
 use super::{Control, Integrator, Rendered, Settings, reference};
 use crate::error::{Error, Result};
 use crate::film::{BadSample, Film, Pixel};
+use crate::light::Arrival;
 use crate::probe::{Probe, Stage, StageRow};
-use crate::sampling::Sampler;
+use crate::sampling::{Sampler, Sobol};
 use crate::wave::{Context, Counts, Grid, Job, LIGHT_JOB, LightWave, Place, Splat, Wave};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -163,6 +164,48 @@ impl Round {
     }
 }
 
+fn pool(settings: &Settings) -> Result<rayon::ThreadPool> {
+    rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build().map_err(|e| Error::Setting {
+        setting: "--threads",
+        found: settings.threads.to_string(),
+        expected: format!("as many as the system can start ({e})"),
+    })
+}
+
+/// Light paths that show where focused light arrives: one for two pixels, within these bounds. However many samples are asked
+/// for, so that a longer render begins like a shorter one.
+const SURVEY: Range<u64> = 2048..32_768;
+/// Light paths of a job of these.
+const SURVEY_JOB: u64 = 2048;
+
+/// Where focused light arrives, in an order that the number of threads does not change, seen by probe `P`.
+pub(super) fn survey<P: Probe>(cx: &Context<'_>, settings: &Settings) -> Result<(Vec<Arrival>, Rendered)> {
+    let pixels = u64::from(cx.world.width()) * u64::from(cx.world.height());
+    let count = (pixels / 2).clamp(SURVEY.start, SURVEY.end);
+    let next = AtomicUsize::new(0);
+    let work = pool(settings)?.broadcast(|_| {
+        let (mut probe, mut counts, mut found) = (P::default(), Counts::default(), Vec::new());
+        loop {
+            let job = next.fetch_add(1, Ordering::Relaxed) as u64;
+            let first = job * SURVEY_JOB;
+            if first >= count {
+                return (found, counts, probe.rows());
+            }
+            let paths = (count - first).min(SURVEY_JOB) as usize;
+            found.push((job, crate::wave::survey::<Sobol>(cx, first, paths, &mut probe, &mut counts)));
+        }
+    });
+    let mut all = Rendered::of(Film::new(0, 0));
+    let mut jobs = Vec::new();
+    for (found, counts, stages) in work {
+        jobs.extend(found);
+        all.counts.add(&counts);
+        all.add_stages(stages);
+    }
+    jobs.sort_unstable_by_key(|(job, _)| *job);
+    Ok((jobs.into_iter().flat_map(|(_, arrivals)| arrivals).collect(), all))
+}
+
 /// Renders with sampler `S`, seen by probe `P`, and adds it to a film.
 pub(super) fn run<S: Sampler, P: Probe>(
     cx: &Context<'_>,
@@ -171,11 +214,7 @@ pub(super) fn run<S: Sampler, P: Probe>(
     film: Film,
     control: &Control,
 ) -> Result<Rendered> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build().map_err(|e| Error::Setting {
-        setting: "--threads",
-        found: settings.threads.to_string(),
-        expected: format!("as many as the system can start ({e})"),
-    })?;
+    let pool = pool(settings)?;
     let size = [cx.world.width(), cx.world.height()];
     let grid = Grid::new(size, round.samples.clone());
     let lights = |samples: u32| (f64::from(cx.plan.light_paths) * f64::from(samples)).round() as u64;

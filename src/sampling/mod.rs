@@ -20,6 +20,8 @@ pub type State<L> = [<L as Lanes>::Uint; 2];
 pub trait Sampler: Copy + Default + Send + Sync + 'static {
     /// State of the first number of sample `sample` of pixel `pixel`.
     fn start<L: Lanes>(seed: u64, pixel: L::Uint, sample: L::Uint) -> State<L>;
+    /// State of a second path that leaves this one, whose numbers have nothing to do with those of the first.
+    fn fork<L: Lanes>(state: &State<L>) -> State<L>;
     /// N numbers in [0, 1), multiples of 2^-24, for a decision at the path's vertex number `depth`.
     fn draw<L: Lanes, const N: usize>(state: &mut State<L>, decision: Decision, depth: L::Uint) -> [L; N];
 }

@@ -20,7 +20,7 @@ fn constant<U: LanesU32>(value: u32) -> U {
 
 /// A well-mixed hash of 32 bits (Wellons 2018, "lowbias32").
 #[inline(always)]
-fn hash<U: LanesU32>(x: U) -> U {
+pub(super) fn hash<U: LanesU32>(x: U) -> U {
     let x = x.xor(x.shr(16)).mul(constant(0x7feb_352d));
     let x = x.xor(x.shr(15)).mul(constant(0x846c_a68b));
     x.xor(x.shr(16))
@@ -79,6 +79,11 @@ impl Sampler for Sobol {
         let key = hash(hash(pixel.add(seed)).xor(seed).add(block));
         let index = sample.and(constant((1 << BLOCK_BITS) - 1));
         [key, reverse_bits(index)]
+    }
+
+    #[inline(always)]
+    fn fork<L: Lanes>(&[key, reversed_index]: &State<L>) -> State<L> {
+        [hash(key.xor(constant(0x85eb_ca6b))), reversed_index]
     }
 
     #[inline(always)]

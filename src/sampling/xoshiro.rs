@@ -1,5 +1,6 @@
 //! Independent streams: xoroshiro64* (Blackman and Vigna 2021), one per (seed, pixel, sample), in lanes.
 
+use super::sobol::hash;
 use super::{Decision, Sampler, State};
 use crate::lanes::{Lanes, LanesU32, MAX_LANES};
 use rand_xoshiro::SplitMix64;
@@ -26,6 +27,12 @@ impl Sampler for Xoshiro {
             (states[0][i], states[1][i]) = (mixed as u32, (mixed >> 32) as u32);
         }
         states.map(|s| L::Uint::load(&s))
+    }
+
+    #[inline(always)]
+    fn fork<L: Lanes>(&[a, b]: &State<L>) -> State<L> {
+        // One-to-one, so that different states stay different.
+        [hash(a.xor(L::Uint::splat(0x85eb_ca6b))), hash(b.xor(L::Uint::splat(0xc2b2_ae35)))]
     }
 
     #[inline(always)]

@@ -2,7 +2,7 @@
 
 use super::Samples;
 use super::plan::Plan;
-use super::queues::{HitRow, Path, Queues};
+use super::queues::{First, HitRow, Path, Queues};
 use crate::columns::Rows;
 use crate::lanes::{Kernel, Lanes, LanesU32, MAX_LANES, Vec3, Wide};
 use crate::light::Receiver;
@@ -12,14 +12,14 @@ use crate::world::World;
 
 /// What a path that hit a light adds to its sample: weighted against the density with which light sampling would have
 /// chosen the point, seen from the path's last vertex, whose normal is `normal`; after a delta lobe against that of light
-/// paths, where they could be the reverse of this one, whose first bounce had density `first`.
+/// paths, where they could be the reverse of this one, whose first bounce is `first`, and against that of aimed paths.
 #[inline(always)]
 pub fn emitted_radiance<L: Lanes>(
     world: &World,
     plan: &Plan,
     path: &Path<L>,
     normal: Vec3<L>,
-    first: L,
+    first: &First<L>,
     hit: &HitRow<L>,
 ) -> Vec3<L> {
     let ids = hit.triangle.array();
@@ -35,8 +35,9 @@ pub fn emitted_radiance<L: Lanes>(
     let mut weight = power_heuristic(path.prev_pdf, light_pdf);
     if plan.caustics() {
         let density = world.lights.emission_density(&world.targets, row, path.origin + to_point, -path.direction, cos);
-        let reverse = power_heuristic(first, density * L::splat(plan.light_paths));
-        weight = weight * L::select(path.prev_pdf.lt(L::splat(f32::INFINITY)), L::splat(1.0), reverse);
+        let reverse = power_heuristic(first.density, density * L::splat(plan.light_paths));
+        let focused = reverse * power_heuristic(L::splat(1.0), first.aimed);
+        weight = weight * L::select(path.prev_pdf.lt(L::splat(f32::INFINITY)), L::splat(1.0), focused);
     }
     path.throughput.scale(radiance) * weight
 }
@@ -58,8 +59,8 @@ impl Kernel for Emit<'_> {
             let rows = Rows::listed(chunk);
             let path = q.paths.gather::<W>(&rows);
             let normal = q.normals.as_ref().map_or(Vec3::splat([0.0; 3]), |normals| normals.normal(&rows));
-            let first = q.firsts.as_ref().map_or(W::splat(f32::INFINITY), |firsts| firsts.density(&rows));
-            let radiance = emitted_radiance(world, plan, &path, normal, first, &q.hits.gather(&rows));
+            let first = q.firsts.as_ref().map_or(First::none(), |firsts| firsts.gather(&rows));
+            let radiance = emitted_radiance(world, plan, &path, normal, &first, &q.hits.gather(&rows));
             samples.add(rows.live(), path.slot, radiance);
         }
     }

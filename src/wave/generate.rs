@@ -66,7 +66,7 @@ impl<S: Sampler> Kernel for Generate<'_, S> {
                 scales.append(live, Scale { scale: W::splat(1.0) });
             }
             if let Some(firsts) = &mut q.firsts {
-                firsts.append(live, First { density: W::splat(f32::INFINITY) });
+                firsts.append(live, First::<W>::none());
             }
             if let Some(normals) = &mut q.normals {
                 normals.append(live, Normal { normal: Vec3::<W>::splat([0.0; 3]) });

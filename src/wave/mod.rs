@@ -15,22 +15,25 @@ mod route;
 mod shade;
 mod surface;
 
-pub use caustic::{JOB as LIGHT_JOB, LightWave, Reversed, Splat, Splats, light_paths, scatter_rows};
+pub use caustic::aim::{Aimed, aim_rows, aims, ratio};
+pub use caustic::{JOB as LIGHT_JOB, LightWave, Reversed, Splat, Splats, light_paths, scatter_rows, survey};
 pub use connect::shadow_rays;
 pub use emit::emitted_radiance;
 pub use escape::background_radiance;
 pub use generate::camera_paths;
 pub use job::{Grid, Job, Place, Places};
 pub use plan::{BOUNCE_LIMIT, Method, Plan, PrevPdf};
-pub use queues::{HitRow, Path, Queues};
+pub use queues::{First, HitRow, Path, Queues};
 pub use shade::{Shaded, shade_rows};
 
 use crate::accel::{Bvh, Tiles};
 use crate::lanes::{Lanes, LanesU32, Vec3, dispatch};
+use crate::light::Spots;
 use crate::material::for_kind;
 use crate::probe::{Probe, Stage};
 use crate::sampling::Sampler;
 use crate::world::World;
+use caustic::aim::follow;
 use compact::Compact;
 use connect::Connect;
 use emit::Emit;
@@ -117,6 +120,8 @@ pub struct Context<'a> {
     pub bvh: &'a Bvh,
     /// Which stages run.
     pub plan: &'a Plan,
+    /// Where focused light comes from.
+    pub spots: &'a Spots,
     /// Seed of the random numbers.
     pub seed: u64,
 }
@@ -128,6 +133,8 @@ const TILE: usize = 64;
 #[derive(Clone, Debug)]
 pub struct Wave<S> {
     queues: Queues,
+    /// Of paths that look for focused light.
+    aimed: Plan,
     tracer: Tiles,
     samples: Samples,
     sampler: PhantomData<S>,
@@ -136,7 +143,13 @@ pub struct Wave<S> {
 impl<S: Sampler> Wave<S> {
     /// A wave for what the plan needs.
     pub fn new(cx: &Context<'_>) -> Self {
-        Self { queues: Queues::new(cx.plan), tracer: Tiles::new(), samples: Samples::default(), sampler: PhantomData }
+        Self {
+            queues: Queues::new(cx.plan),
+            aimed: cx.plan.of_aimed_paths(),
+            tracer: Tiles::new(),
+            samples: Samples::default(),
+            sampler: PhantomData,
+        }
     }
 
     /// Bytes that the wave holds.
@@ -146,8 +159,8 @@ impl<S: Sampler> Wave<S> {
 
     /// Traces all samples of a job, and returns their radiance by slot.
     pub fn run(&mut self, cx: &Context<'_>, job: &Job, probe: &mut impl Probe, counts: &mut Counts) -> &[[f32; 3]] {
-        let Context { world, bvh, plan, seed } = *cx;
-        let Self { queues: q, tracer, samples, .. } = self;
+        let Context { world, bvh, plan, spots, seed } = *cx;
+        let Self { queues: q, aimed: of_aimed, tracer, samples, .. } = self;
         samples.reset(job.paths());
         tracer.restart();
         let mut next = 0;
@@ -181,13 +194,16 @@ impl<S: Sampler> Wave<S> {
                 let hits = if plan.sole_kind() { q.paths.len() } else { q.by_kind[kind as usize].len() };
                 for_kind!(kind, M => {
                     let of = PhantomData::<(M, S)>;
-                    probe.stage(Stage::Shade, hits, || dispatch(Shade { q, of, kind, world, plan }))
+                    probe.stage(Stage::Shade, hits, || dispatch(Shade { q, of, kind, world, plan, spots }))
                 });
             }
             if plan.connect {
                 let shadows = q.shadows.len();
                 counts.shadow += shadows as u64;
                 probe.stage(Stage::Connect, shadows, || dispatch(Connect { q, bvh, tracer: tracer.loose(), samples }));
+            }
+            if let Some(aimed) = q.aimed.as_mut().filter(|aimed| !aimed.paths.is_empty()) {
+                follow::<S>(cx, of_aimed, aimed, tracer, samples, probe, counts);
             }
             if plan.kinds.is_empty() {
                 q.truncate(0);

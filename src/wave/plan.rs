@@ -93,7 +93,7 @@ impl Plan {
 }
 
 impl Plan {
-    /// Whether light that mirrors and glass focus is found by light paths too.
+    /// Whether light that mirrors and glass focus is found by light paths and by paths that look for it, too.
     pub fn caustics(&self) -> bool {
         self.light_paths > 0.0
     }
@@ -105,15 +105,17 @@ impl Plan {
         match (self.emit && focuses && receives && self.max_depth > 1, self.method) {
             (false, _) => None,
             (true, Method::Path) => None,
-            (true, _) if self.caustics() => Some(
-                "light that mirrors or glass focus on other surfaces, where these are seen in a mirror or through glass",
-            ),
+            (true, _) if self.caustics() => None,
             (true, _) => Some("all light that mirrors or glass focus on other surfaces"),
         }
     }
     /// The plan of light paths: they meet the same surfaces, and connect to the camera.
     pub fn of_light_paths(&self) -> Self {
         Self { emit: false, escape: false, receivers: false, light_paths: 0.0, transmit: true, ..self.clone() }
+    }
+    /// The plan of paths that look for focused light: they follow mirrors and glass alone, and bring what lamps radiate.
+    pub fn of_aimed_paths(&self) -> Self {
+        Self { emit: true, connect: false, ..self.of_light_paths() }
     }
     /// Whether all surfaces that scatter are of one kind, so that their rows need no list.
     pub fn sole_kind(&self) -> bool {
@@ -172,6 +174,15 @@ impl fmt::Display for Plan {
             "light paths",
             if self.caustics() {
                 "from lamps towards mirrors and glass, connected to the camera"
+            } else {
+                "nothing to focus light, or none asked for"
+            },
+        )?;
+        line(
+            self.caustics(),
+            "aim",
+            if self.caustics() {
+                "second paths, to where focused light was seen to come from"
             } else {
                 "nothing to focus light, or none asked for"
             },

@@ -1,12 +1,13 @@
 //! Scattering at surfaces of one kind: connects to a light, chooses the next ray, plays roulette.
 
+use super::caustic::aim::{Aims, aims, ratio};
 use super::plan::{Plan, PrevPdf};
 use super::queues::{First, HitRow, Normal, Path, Queues, Scale, Shadow};
 use super::surface::{Surface, off_surface};
 use crate::camera::View;
 use crate::columns::Rows;
 use crate::lanes::{Frame, Kernel, Lanes, LanesU32, MAX_LANES, Mask, Vec3, Wide, select3};
-use crate::light::Receiver;
+use crate::light::{Receiver, Spots};
 use crate::material::{Evaluated, Kind, Lobe, Materials, Table};
 use crate::sampling::{Decision, Sampler, power_heuristic_over_pdf};
 use crate::world::World;
@@ -33,8 +34,10 @@ pub struct Shaded<L: Lanes> {
     pub connected: L::Mask,
     /// Unit geometric normal where the paths go on, on the side of `wo`.
     pub normal: Vec3<L>,
-    /// Density of the first bounce, by which light paths are weighed; infinite where none could be this path's reverse.
-    pub first: L,
+    /// What the weights of focused light need to know.
+    pub first: First<L>,
+    /// Which paths look for such light from here; none at delta lobes.
+    pub aims: Aims<L>,
 }
 
 /// Density and value of the lobe in world direction `wi`, on the path's side of the surface. Directions that an
@@ -122,15 +125,17 @@ pub(super) fn alive<S: Sampler, L: Lanes>(path: &mut Path<L>, scale: L) -> L::Ma
 pub fn shade_rows<M: Lobe, S: Sampler, L: Lanes>(
     world: &World,
     plan: &Plan,
+    spots: &Spots,
     mut path: Path<L>,
     scale: L,
-    first: L,
+    mut first: First<L>,
     hit: &HitRow<L>,
 ) -> Shaded<L>
 where
     Materials: Table<M>,
 {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
+    let came = path;
     let p = params::<M, L>(world, hit);
     let wo_world = -path.direction;
     let surface = Surface::new(world, hit, wo_world);
@@ -178,17 +183,19 @@ where
         PrevPdf::Never => zero,
         PrevPdf::Density => eval::<M, L>(world, &p, &surface, &frame, wo, wi).pdf,
     };
-    let first = if plan.caustics() {
-        let first = if M::DELTA {
-            first
+    let mut look = Aims::none(&came);
+    if plan.caustics() {
+        if M::DELTA {
+            first.aimed = ratio(spots, &came, first.aimed);
         } else {
+            look = aims::<S, L>(spots, &came, scale, first.density, surface.spawn(L::Mask::splat(false)));
+            first.aimed = look.chance;
             let density = first_density(&world.view, &surface, surface.point - path.origin, wi, path.prev_pdf);
-            L::select(L::from_u24(path.depth).eq(zero), density, first)
-        };
-        L::select(reversible(&surface, wo_world, unfolded, scattered.transmitted), first, L::splat(f32::INFINITY))
-    } else {
-        first
-    };
+            first.density = L::select(L::from_u24(path.depth).eq(zero), density, first.density);
+        }
+        let reversible = reversible(&surface, wo_world, unfolded, scattered.transmitted);
+        first.density = L::select(reversible, first.density, L::splat(f32::INFINITY));
+    }
     path.throughput = path.throughput.scale(scattered.weight);
     let scale = if M::TRANSMITS { scale * scattered.radiance_scale } else { scale };
 
@@ -196,7 +203,7 @@ where
     path.origin =
         if M::TRANSMITS { surface.spawn(scattered.transmitted) } else { surface.spawn(L::Mask::splat(false)) };
     path.direction = wi;
-    Shaded { path, scale, alive, shadow, connected, normal: surface.ng, first }
+    Shaded { path, scale, alive, shadow, connected, normal: surface.ng, first, aims: look }
 }
 
 /// One bounce of all paths that hit a surface of kind `M`: those listed, or all that are left where there is no other.
@@ -207,6 +214,7 @@ pub struct Shade<'a, M, S> {
     pub kind: Kind,
     pub world: &'a World,
     pub plan: &'a Plan,
+    pub spots: &'a Spots,
 }
 
 impl<M: Lobe, S: Sampler> Kernel for Shade<'_, M, S>
@@ -216,7 +224,7 @@ where
     type Out = ();
     #[inline(always)]
     fn run<W: Wide>(self) {
-        let Self { q, kind, world, plan, .. } = self;
+        let Self { q, kind, world, plan, spots, .. } = self;
         let far = world.is_far();
         if plan.sole_kind() {
             let mut kept = 0;
@@ -226,7 +234,7 @@ where
                 if far && next < q.paths.len() {
                     world.prefetch(q.hits.triangle::<W>(&Rows::range(next, MAX_LANES.min(q.paths.len() - next))));
                 }
-                let out = shade_group::<M, S, W>(q, &rows, world, plan);
+                let out = shade_group::<M, S, W>(q, &rows, world, plan, spots);
                 let bits = out.alive.bits() & rows.live();
                 q.paths.put(kept, bits, out.path);
                 if let Some(scales) = &mut q.scales {
@@ -236,7 +244,7 @@ where
                     normals.put(kept, bits, Normal { normal: out.normal });
                 }
                 if let Some(firsts) = &mut q.firsts {
-                    firsts.put(kept, bits, First { density: out.first });
+                    firsts.put(kept, bits, out.first);
                 }
                 kept += bits.count_ones() as usize;
             }
@@ -250,7 +258,7 @@ where
             if let Some(next) = chunks.peek().filter(|_| far) {
                 world.prefetch(q.hits.triangle::<W>(&Rows::listed(next)));
             }
-            let out = shade_group::<M, S, W>(q, &rows, world, plan);
+            let out = shade_group::<M, S, W>(q, &rows, world, plan, spots);
             q.paths.scatter(&rows, out.path);
             if M::TRANSMITS
                 && let Some(scales) = &mut q.scales
@@ -258,7 +266,7 @@ where
                 scales.scatter(&rows, Scale { scale: out.scale });
             }
             if let Some(firsts) = &mut q.firsts {
-                firsts.scatter(&rows, First { density: out.first });
+                firsts.scatter(&rows, out.first);
             }
             if !M::DELTA
                 && let Some(normals) = &mut q.normals
@@ -271,9 +279,15 @@ where
     }
 }
 
-/// Shades a group of rows and appends its shadow rays.
+/// Shades a group of rows, and appends its shadow rays and the paths that look for focused light.
 #[inline(always)]
-fn shade_group<M: Lobe, S: Sampler, W: Wide>(q: &mut Queues, rows: &Rows, world: &World, plan: &Plan) -> Shaded<W>
+fn shade_group<M: Lobe, S: Sampler, W: Wide>(
+    q: &mut Queues,
+    rows: &Rows,
+    world: &World,
+    plan: &Plan,
+    spots: &Spots,
+) -> Shaded<W>
 where
     Materials: Table<M>,
 {
@@ -281,10 +295,16 @@ where
         Some(scales) => scales.scale(rows),
         None => W::splat(1.0),
     };
-    let first = q.firsts.as_ref().map_or(W::splat(f32::INFINITY), |firsts| firsts.density(rows));
-    let out = shade_rows::<M, S, W>(world, plan, q.paths.gather(rows), scale, first, &q.hits.gather(rows));
+    let first = q.firsts.as_ref().map_or(First::none(), |firsts| firsts.gather(rows));
+    let (path, hit) = (q.paths.gather(rows), q.hits.gather(rows));
+    let out = shade_rows::<M, S, W>(world, plan, spots, path, scale, first, &hit);
     if plan.connect && !M::DELTA {
         q.shadows.append(out.connected.bits() & rows.live(), out.shadow);
+    }
+    if !M::DELTA
+        && let Some(aimed) = &mut q.aimed
+    {
+        aimed.begin(out.aims.chosen.bits() & rows.live(), Path { rng: out.aims.rng, ..path }, scale, hit);
     }
     out
 }

@@ -11,14 +11,19 @@
 //!     / (density of x1 per area x density of the direction from x1 to x2 per projected solid angle),
 //!
 //! a number of each end alone. (Veach 1997, section 9.2 and 10.2, with the reversed densities written out.)
+//!
+//! What is left, focused light seen in mirrors and through glass, is looked for by [paths that are aimed](aim).
 
+pub(super) mod aim;
 mod camera;
 mod scatter;
 mod start;
+mod survey;
 
 pub use camera::{Splat, Splats};
 pub use scatter::{Reversed, scatter_rows};
 pub use start::light_paths;
+pub use survey::survey;
 
 use super::{Context, Counts, Intersect, Plan, Queues, Route};
 use crate::accel::Tiles;
