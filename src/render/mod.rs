@@ -14,7 +14,7 @@ use crate::error::Result;
 use crate::film::{BadSample, Film};
 use crate::light::Spots;
 use crate::probe::{NoProbe, StageRow, StageTimes};
-use crate::sampling::{Sobol, Xoshiro};
+use crate::sampling::{Screen, Sobol, Xoshiro};
 use crate::wave::{Context, Counts, Plan};
 use crate::world::World;
 use rounds::Rounds;
@@ -206,7 +206,14 @@ impl Renderer {
         if !plan.caustics() {
             return Ok((spots, all));
         }
-        let cx = Context { world: &self.world, bvh: &self.bvh, plan, spots: &spots, seed: SURVEY_SEED };
+        let cx = Context {
+            world: &self.world,
+            bvh: &self.bvh,
+            plan,
+            spots: &spots,
+            seed: SURVEY_SEED,
+            screen: Screen::default(),
+        };
         let (arrivals, all) = match settings.time_stages {
             false => schedule::survey::<NoProbe>(&cx, settings),
             true => schedule::survey::<StageTimes>(&cx, settings),

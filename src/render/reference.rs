@@ -189,7 +189,7 @@ impl<S: Sampler, const SCALAR: bool> Kernel for Paths<'_, S, SCALAR> {
     fn run<W: Wide>(self) {
         let Self { reference, cx, job, counts, .. } = self;
         for slot in 0..job.paths() {
-            let path = camera_paths::<S, f32>(&cx.world.view, cx.seed, job, slot, slot);
+            let path = camera_paths::<S, f32>(cx, job, slot, slot);
             counts.camera += 1;
             reference.trace::<S, W, SCALAR>(cx, path, counts);
         }

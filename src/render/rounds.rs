@@ -13,6 +13,7 @@ use super::{Control, Rendered, Renderer, Settings};
 use crate::error::Result;
 use crate::film::Film;
 use crate::light::Spots;
+use crate::sampling::Screen;
 use crate::wave::{Context, Plan};
 use std::time::{Duration, Instant};
 
@@ -62,7 +63,8 @@ impl Half {
 impl Rounds<'_> {
     /// One round of all samples.
     pub fn all(&self, film: Film) -> Result<Rendered> {
-        self.round(self.settings.seed, 0, self.settings.spp, film, None)
+        let Settings { seed, spp, .. } = *self.settings;
+        self.round(seed, 0, spp, film, None, Some(spp))
     }
 
     /// Rounds until the time is spent, or all samples are done. Each but the first two doubles the samples at most, and takes
@@ -72,7 +74,7 @@ impl Rounds<'_> {
         let mut done = 0;
         while !self.is_over(done) {
             let next = self.next(done);
-            let round = self.round(self.settings.seed, done, next, film, self.deadline().filter(|_| done > 0))?;
+            let round = self.round(self.settings.seed, done, next, film, self.deadline().filter(|_| done > 0), None)?;
             film = all.add(round);
             done = next;
         }
@@ -91,7 +93,7 @@ impl Rounds<'_> {
             for (k, film) in halves.iter_mut().flat_map(|half| &mut half.films).enumerate() {
                 let seed = self.settings.seed.wrapping_add((k as u64).wrapping_mul(SEED_STEP));
                 let before = std::mem::replace(film, Film::new(0, 0));
-                *film = all.add(self.round(seed, done, next, before, self.deadline().filter(|_| done > 0))?);
+                *film = all.add(self.round(seed, done, next, before, self.deadline().filter(|_| done > 0), None)?);
             }
             done = next;
             // Of the mean of both halves, if the other is as good.
@@ -115,9 +117,24 @@ impl Rounds<'_> {
         Ok(all)
     }
 
-    fn round(&self, seed: u64, from: u32, to: u32, film: Film, deadline: Option<Instant>) -> Result<Rendered> {
+    fn round(
+        &self,
+        seed: u64,
+        from: u32,
+        to: u32,
+        film: Film,
+        deadline: Option<Instant>,
+        spp: Option<u32>,
+    ) -> Result<Rendered> {
         let Self { renderer, plan, spots, settings, control, .. } = *self;
-        let cx = Context { world: &renderer.world, bvh: &renderer.bvh, plan, spots, seed };
+        let cx = Context {
+            world: &renderer.world,
+            bvh: &renderer.bvh,
+            plan,
+            spots,
+            seed,
+            screen: Screen::new([renderer.world.width(), renderer.world.height()], spp),
+        };
         renderer.round(&cx, settings, &Round { samples: from..to, deadline }, film, control)
     }
     fn deadline(&self) -> Option<Instant> {

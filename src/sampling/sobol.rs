@@ -2,11 +2,14 @@
 //! and scrambled by hashes (Burley 2020, "Practical Hash-based Owen Scrambling"). Each pair is a (0, 2)-sequence: of 2^m
 //! points, every cell of every power-of-two grid of 2^m cells holds one.
 
-use super::{Decision, Sampler, State};
+use super::{Decision, Sampler, Screen, State};
 use crate::lanes::{Lanes, LanesU32};
 
-/// Low-discrepancy points: each pixel, vertex and decision gets a shuffle and a scramble of its own. Past 2^16 samples of
-/// a pixel they are seeded anew, so that no pattern of the hashes can show in more samples than that.
+/// Low-discrepancy points: each vertex and decision gets a shuffle and a scramble of its own. Where few samples are asked for,
+/// the pixels of an image share one sequence, along the Z curve: neighbours, too, get points that are well spread, and so errors
+/// that cancel out before the eye (Ahmed and Wonka 2020, "Screen-space Blue-noise Diffusion of Monte Carlo Sampling Error via
+/// Hierarchical Ordering of Pixels"). Else each pixel has a shuffle and scramble of its own, anew past 2^16 samples, so that
+/// no pattern of the hashes can show in more samples than that.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sobol;
 
@@ -71,14 +74,28 @@ fn second_reversed<U: LanesU32>(index: U) -> U {
     x.xor(x.shr(1).and(constant(0x5555_5555)))
 }
 
+/// Both halves of a render's seed.
+#[inline(always)]
+fn mixed<U: LanesU32>(seed: u64) -> U {
+    hash(constant::<U>(seed as u32)).add(hash(constant((seed >> 32) as u32 ^ 0x5bd1_e995)))
+}
+
 impl Sampler for Sobol {
     #[inline(always)]
     fn start<L: Lanes>(seed: u64, pixel: L::Uint, sample: L::Uint) -> State<L> {
-        let seed = hash(constant::<L::Uint>(seed as u32)).add(hash(constant((seed >> 32) as u32 ^ 0x5bd1_e995)));
+        let seed = mixed::<L::Uint>(seed);
         let block = hash(sample.shr(BLOCK_BITS));
         let key = hash(hash(pixel.add(seed)).xor(seed).add(block));
         let index = sample.and(constant((1 << BLOCK_BITS) - 1));
         [key, reverse_bits(index)]
+    }
+
+    #[inline(always)]
+    fn on_screen<L: Lanes>(screen: &Screen, seed: u64, pixel: [L::Uint; 2], sample: L::Uint) -> State<L> {
+        match screen.index::<L>(pixel, sample) {
+            Some(index) => [hash(mixed::<L::Uint>(seed).xor(constant(0x27d4_eb2f))), reverse_bits(index)],
+            None => Self::start::<L>(seed, screen.number::<L>(pixel), sample),
+        }
     }
 
     #[inline(always)]
@@ -147,6 +164,33 @@ mod tests {
                     cells[(q[0] * nx as f32) as usize * ny + (q[1] * ny as f32) as usize] += 1;
                 }
                 assert!(cells.iter().all(|&c| c == 1), "pixel {pixel}, {nx} x {ny}");
+            }
+        }
+    }
+
+    /// Where pixels share a sequence, the points of each aligned square of 2^k x 2^k pixels are a net in all.
+    #[test]
+    fn neighbours_share_a_net() {
+        for (spp, side) in [(1, 16), (4, 8), (16, 2), (64, 1)] {
+            let screen = Screen::new([48, 33], Some(spp));
+            for corner in [[0, 0], [16, 16], [32, 0]] {
+                let p: Vec<[f32; 2]> = (0..spp * side * side)
+                    .map(|i| {
+                        let (pixel, sample) = (i / spp, i % spp);
+                        let at = [corner[0] + pixel % side, corner[1] + pixel / side];
+                        let mut s = Sobol::on_screen::<f32>(&screen, 1, at, sample);
+                        Sobol::draw::<f32, 2>(&mut s, Decision::Light, 3)
+                    })
+                    .collect();
+                let log = p.len().ilog2();
+                for log_x in 0..=log {
+                    let (nx, ny) = (1usize << log_x, 1usize << (log - log_x));
+                    let mut cells = vec![0; p.len()];
+                    for q in &p {
+                        cells[(q[0] * nx as f32) as usize * ny + (q[1] * ny as f32) as usize] += 1;
+                    }
+                    assert!(cells.iter().all(|&c| c == 1), "{spp} samples at {corner:?}, {nx} x {ny}");
+                }
             }
         }
     }

@@ -1,8 +1,8 @@
 //! Camera rays into the free rows of a wave.
 
+use super::Context;
 use super::job::{Job, Place};
 use super::queues::{First, Normal, Path, Queues, Scale};
-use crate::camera::View;
 use crate::columns::Rows;
 use crate::lanes::{Kernel, Lanes, LanesU32, MAX_LANES, Vec3, Wide};
 use crate::sampling::{Decision, Sampler};
@@ -10,7 +10,7 @@ use std::marker::PhantomData;
 
 /// The paths of `L::N` samples of a job, from number `slot` on; numbers past `last` repeat it.
 #[inline(always)]
-pub fn camera_paths<S: Sampler, L: Lanes>(view: &View, seed: u64, job: &Job, slot: usize, last: usize) -> Path<L> {
+pub fn camera_paths<S: Sampler, L: Lanes>(cx: &Context<'_>, job: &Job, slot: usize, last: usize) -> Path<L> {
     let (mut x, mut y, mut sample, mut number) = ([0; MAX_LANES], [0; MAX_LANES], [0; MAX_LANES], [0; MAX_LANES]);
     let mut place = Place::default();
     let mut next = job.places(slot).take(last + 1 - slot);
@@ -21,13 +21,12 @@ pub fn camera_paths<S: Sampler, L: Lanes>(view: &View, seed: u64, job: &Job, slo
         number[i] = (slot + i).min(last) as u32;
     }
     let (x, y) = (L::Uint::load(&x), L::Uint::load(&y));
-    let pixel = y.mul(L::Uint::splat(job.width)).add(x);
-    let mut rng = S::start::<L>(seed, pixel, L::Uint::load(&sample));
+    let mut rng = S::on_screen::<L>(&cx.screen, cx.seed, [x, y], L::Uint::load(&sample));
     let depth = L::Uint::splat(0);
     let [ux, uy] = S::draw::<L, 2>(&mut rng, Decision::Pixel, depth);
     let x = L::from_u24(x) + ux;
     let y = L::from_u24(y) + uy;
-    let (origin, direction) = view.ray(x, y);
+    let (origin, direction) = cx.world.view.ray(x, y);
     Path {
         origin,
         direction,
@@ -42,9 +41,8 @@ pub fn camera_paths<S: Sampler, L: Lanes>(view: &View, seed: u64, job: &Job, slo
 /// Appends the paths of the next samples of the job.
 pub struct Generate<'a, S> {
     pub q: &'a mut Queues,
-    pub view: &'a View,
+    pub cx: &'a Context<'a>,
     pub sampler: PhantomData<S>,
-    pub seed: u64,
     pub job: &'a Job,
     /// Number of the first sample that was not made yet.
     pub next: usize,
@@ -56,12 +54,12 @@ impl<S: Sampler> Kernel for Generate<'_, S> {
     type Out = ();
     #[inline(always)]
     fn run<W: Wide>(self) {
-        let Self { q, view, seed, job, next, count, .. } = self;
+        let Self { q, cx, job, next, count, .. } = self;
         let mut made = 0;
         while made < count {
             let n = MAX_LANES.min(count - made);
             let live = Rows::range(0, n).live();
-            q.paths.append(live, camera_paths::<S, W>(view, seed, job, next + made, next + count - 1));
+            q.paths.append(live, camera_paths::<S, W>(cx, job, next + made, next + count - 1));
             if let Some(scales) = &mut q.scales {
                 scales.append(live, Scale { scale: W::splat(1.0) });
             }

@@ -63,7 +63,7 @@ impl Grid {
                 job.pixels.push([x, y]);
             }
         }
-        (job.tile, job.pass, job.width) = (tile, pass, width);
+        (job.tile, job.pass) = (tile, pass);
         job.first_sample = self.samples.start + pass * Self::SAMPLES;
         job.samples = Self::SAMPLES.min(self.samples.end - job.first_sample);
     }
@@ -78,8 +78,6 @@ pub struct Job {
     pub pass: u32,
     /// Pixels (x, y): neighbours follow each other.
     pub pixels: Vec<[u32; 2]>,
-    /// Width of the image, which numbers the pixels.
-    pub width: u32,
     /// First sample of each pixel.
     pub first_sample: u32,
     /// Samples of each pixel.

@@ -11,6 +11,7 @@ mod intersect;
 mod job;
 mod plan;
 mod queues;
+mod roulette;
 mod route;
 mod shade;
 mod surface;
@@ -31,7 +32,7 @@ use crate::lanes::{Lanes, LanesU32, Vec3, dispatch};
 use crate::light::Spots;
 use crate::material::for_kind;
 use crate::probe::{Probe, Stage};
-use crate::sampling::Sampler;
+use crate::sampling::{Sampler, Screen};
 use crate::world::World;
 use caustic::aim::follow;
 use compact::Compact;
@@ -124,6 +125,8 @@ pub struct Context<'a> {
     pub spots: &'a Spots,
     /// Seed of the random numbers.
     pub seed: u64,
+    /// The pixels that it is for.
+    pub screen: Screen,
 }
 
 /// Rays that are traced together where they run the same way.
@@ -159,7 +162,7 @@ impl<S: Sampler> Wave<S> {
 
     /// Traces all samples of a job, and returns their radiance by slot.
     pub fn run(&mut self, cx: &Context<'_>, job: &Job, probe: &mut impl Probe, counts: &mut Counts) -> &[[f32; 3]] {
-        let Context { world, bvh, plan, spots, seed } = *cx;
+        let Context { world, bvh, plan, spots, .. } = *cx;
         let Self { queues: q, aimed: of_aimed, tracer, samples, .. } = self;
         samples.reset(job.paths());
         tracer.restart();
@@ -168,7 +171,7 @@ impl<S: Sampler> Wave<S> {
             let fresh = q.paths.len();
             let count = refill(plan.wave_size - fresh, job.paths() - next, plan.wave_size);
             probe.stage(Stage::Generate, count, || {
-                dispatch(Generate { q, view: &world.view, sampler: PhantomData::<S>, seed, job, next, count });
+                dispatch(Generate { q, cx, sampler: PhantomData::<S>, job, next, count });
             });
             next += count;
             let n = q.paths.len();

@@ -3,6 +3,7 @@
 use super::caustic::aim::{Aims, aims, ratio};
 use super::plan::{Plan, PrevPdf};
 use super::queues::{First, HitRow, Normal, Path, Queues, Scale, Shadow};
+use super::roulette::alive;
 use super::surface::{Surface, off_surface};
 use crate::camera::View;
 use crate::columns::Rows;
@@ -12,12 +13,6 @@ use crate::material::{Evaluated, Kind, Lobe, Materials, Table};
 use crate::sampling::{Decision, Sampler, power_heuristic_over_pdf};
 use crate::world::World;
 use std::marker::PhantomData;
-
-/// Bounces before roulette begins: what a dark mirror shows is not left to chance.
-const ROULETTE_FROM: u32 = 2;
-/// It plays where less than one part in this many is left of a path's energy. Sooner, the paths that survive weigh
-/// so much that they add more noise than the time of the others is worth (docs/decisions/roulette.md).
-const ROULETTE: f32 = 3.0;
 
 /// What became of a group of paths.
 #[derive(Clone, Copy, Debug)]
@@ -103,21 +98,6 @@ pub(super) fn draw<M: Lobe, S: Sampler, L: Lanes>(path: &mut Path<L>) -> [L; 3] 
         }
         _ => S::draw::<L, 3>(&mut path.rng, Decision::Scatter, path.depth),
     }
-}
-
-/// Counts a bounce, and plays Russian roulette by the share of energy that is left (Arvo and Kirk 1990): what throughput is
-/// to `scale`, which refraction changes along with it. Which paths go on, with the weight of the others.
-#[inline(always)]
-pub(super) fn alive<S: Sampler, L: Lanes>(path: &mut Path<L>, scale: L) -> L::Mask {
-    let one = L::splat(1.0);
-    let [coin] = S::draw::<L, 1>(&mut path.rng, Decision::Roulette, path.depth);
-    let energy = path.throughput.max_component();
-    path.depth = path.depth.add(L::Uint::splat(1));
-    let plays = L::from_u24(path.depth).gt(L::splat(ROULETTE_FROM as f32));
-    // One over the chance to go on.
-    let weight = L::select(plays, (scale / (energy * L::splat(ROULETTE))).max(one), one);
-    path.throughput = path.throughput * weight;
-    (coin * weight).lt(one) & energy.gt(L::splat(0.0))
 }
 
 /// One bounce of a group of paths at surfaces of kind `M`.
