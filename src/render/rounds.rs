@@ -63,8 +63,7 @@ impl Half {
 impl Rounds<'_> {
     /// One round of all samples.
     pub fn all(&self, film: Film) -> Result<Rendered> {
-        let Settings { seed, spp, .. } = *self.settings;
-        self.round(seed, 0, spp, film, None, Some(spp))
+        self.round(self.settings.seed, 0, self.settings.spp, film, None)
     }
 
     /// Rounds until the time is spent, or all samples are done. Each but the first two doubles the samples at most, and takes
@@ -74,7 +73,7 @@ impl Rounds<'_> {
         let mut done = 0;
         while !self.is_over(done) {
             let next = self.next(done);
-            let round = self.round(self.settings.seed, done, next, film, self.deadline().filter(|_| done > 0), None)?;
+            let round = self.round(self.settings.seed, done, next, film, self.deadline().filter(|_| done > 0))?;
             film = all.add(round);
             done = next;
         }
@@ -93,7 +92,7 @@ impl Rounds<'_> {
             for (k, film) in halves.iter_mut().flat_map(|half| &mut half.films).enumerate() {
                 let seed = self.settings.seed.wrapping_add((k as u64).wrapping_mul(SEED_STEP));
                 let before = std::mem::replace(film, Film::new(0, 0));
-                *film = all.add(self.round(seed, done, next, before, self.deadline().filter(|_| done > 0), None)?);
+                *film = all.add(self.round(seed, done, next, before, self.deadline().filter(|_| done > 0))?);
             }
             done = next;
             // Of the mean of both halves, if the other is as good.
@@ -117,15 +116,7 @@ impl Rounds<'_> {
         Ok(all)
     }
 
-    fn round(
-        &self,
-        seed: u64,
-        from: u32,
-        to: u32,
-        film: Film,
-        deadline: Option<Instant>,
-        spp: Option<u32>,
-    ) -> Result<Rendered> {
+    fn round(&self, seed: u64, from: u32, to: u32, film: Film, deadline: Option<Instant>) -> Result<Rendered> {
         let Self { renderer, plan, spots, settings, control, .. } = *self;
         let cx = Context {
             world: &renderer.world,
@@ -133,7 +124,7 @@ impl Rounds<'_> {
             plan,
             spots,
             seed,
-            screen: Screen::new([renderer.world.width(), renderer.world.height()], spp),
+            screen: Screen::new(renderer.world.width(), settings.spp),
         };
         renderer.round(&cx, settings, &Round { samples: from..to, deadline }, film, control)
     }

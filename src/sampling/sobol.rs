@@ -6,7 +6,7 @@ use super::{Decision, Sampler, Screen, State};
 use crate::lanes::{Lanes, LanesU32};
 
 /// Low-discrepancy points: each vertex and decision gets a shuffle and a scramble of its own. Where few samples are asked for,
-/// the pixels of an image share one sequence, along the Z curve: neighbours, too, get points that are well spread, and so errors
+/// the pixels of a tile share one sequence, along the Z curve: neighbours, too, get points that are well spread, and so errors
 /// that cancel out before the eye (Ahmed and Wonka 2020, "Screen-space Blue-noise Diffusion of Monte Carlo Sampling Error via
 /// Hierarchical Ordering of Pixels"). Else each pixel has a shuffle and scramble of its own, anew past 2^16 samples, so that
 /// no pattern of the hashes can show in more samples than that.
@@ -74,26 +74,27 @@ fn second_reversed<U: LanesU32>(index: U) -> U {
     x.xor(x.shr(1).and(constant(0x5555_5555)))
 }
 
-/// Both halves of a render's seed.
-#[inline(always)]
-fn mixed<U: LanesU32>(seed: u64) -> U {
-    hash(constant::<U>(seed as u32)).add(hash(constant((seed >> 32) as u32 ^ 0x5bd1_e995)))
+impl Sobol {
+    /// What scrambles are made from: another for each seed of a render, pixel and block.
+    #[inline(always)]
+    fn key<U: LanesU32>(seed: u64, pixel: U, block: U) -> U {
+        let seed = hash(constant::<U>(seed as u32)).add(hash(constant((seed >> 32) as u32 ^ 0x5bd1_e995)));
+        hash(hash(pixel.add(seed)).xor(seed).add(block))
+    }
 }
 
 impl Sampler for Sobol {
     #[inline(always)]
     fn start<L: Lanes>(seed: u64, pixel: L::Uint, sample: L::Uint) -> State<L> {
-        let seed = mixed::<L::Uint>(seed);
-        let block = hash(sample.shr(BLOCK_BITS));
-        let key = hash(hash(pixel.add(seed)).xor(seed).add(block));
+        let key = Self::key(seed, pixel, hash(sample.shr(BLOCK_BITS)));
         let index = sample.and(constant((1 << BLOCK_BITS) - 1));
         [key, reverse_bits(index)]
     }
 
     #[inline(always)]
     fn on_screen<L: Lanes>(screen: &Screen, seed: u64, pixel: [L::Uint; 2], sample: L::Uint) -> State<L> {
-        match screen.index::<L>(pixel, sample) {
-            Some(index) => [hash(mixed::<L::Uint>(seed).xor(constant(0x27d4_eb2f))), reverse_bits(index)],
+        match screen.shared::<L>(pixel, sample) {
+            Some((tile, index)) => [Self::key(seed, tile, constant(0x27d4_eb2f)), reverse_bits(index)],
             None => Self::start::<L>(seed, screen.number::<L>(pixel), sample),
         }
     }
@@ -172,7 +173,7 @@ mod tests {
     #[test]
     fn neighbours_share_a_net() {
         for (spp, side) in [(1, 16), (4, 8), (16, 2), (64, 1)] {
-            let screen = Screen::new([48, 33], Some(spp));
+            let screen = Screen::new(48, spp);
             for corner in [[0, 0], [16, 16], [32, 0]] {
                 let p: Vec<[f32; 2]> = (0..spp * side * side)
                     .map(|i| {
