@@ -6,9 +6,10 @@
 
 mod common;
 
+use common::meshes::{cuboid, quad, v};
 use common::stats::{Estimate, Family, detectable, uniformity};
-use common::worlds::{Scene, block, diffuse, room, rooms};
-use common::{METHODS, film, full, samples, settings};
+use common::worlds::{Scene, block, diffuse, glass, mirror, room, rooms};
+use common::{METHODS, SAMPLERS, film, full, samples, settings};
 use wavetrace::film::Film;
 use wavetrace::render::{Integrator, Renderer, SamplerKind, Settings};
 use wavetrace::wave::Method;
@@ -16,7 +17,7 @@ use wavetrace::world::{MaterialInput, WorldBuilder};
 
 const SIZE: [u32; 2] = [14, 12];
 /// Families of tests in this suite; each is a test function.
-const FAMILIES: usize = 5;
+const FAMILIES: usize = 6;
 
 /// All tests of two images with independent samples.
 fn compare(family: &mut Family, a: &Film, b: &Film, what: &str) {
@@ -59,6 +60,39 @@ fn methods_agree() {
             let e = [Estimate::of_film(&a, 1), Estimate::of_film(&b, 1)];
             let error = (e[0].variance + e[1].variance).sqrt() / e[0].mean;
             println!("{name}, {pair:?}: standard error of the difference of means {:.2} %", 100.0 * error);
+        }
+    }
+    family.judge();
+}
+
+/// All of the lamp's light comes through a pane, and half of the room is seen in a mirror: light paths bring it to what the
+/// camera sees, aimed paths to what the mirror shows. Without either the lamp is hit by chance, as often as it is wide.
+#[test]
+fn light_through_glass_agrees_with_chance() {
+    let mut family = Family::one_of(FAMILIES);
+    let renderer = room(SIZE)
+        .with(cuboid(v(-0.98, -0.98, 1.5), v(0.98, 0.98, 1.56)), glass(0.95, 1.5))
+        .with(quad(v(-0.98, 0.95, 0.02), v(0.9, -0.05, 0.0), v(0.0, 0.0, 1.4)), mirror(0.9))
+        .renderer();
+    for (k, sampler) in SAMPLERS.into_iter().enumerate() {
+        let seeds = |light_paths: f32, first: u64| -> Vec<Film> {
+            let settings =
+                |seed| Settings { light_paths, ..settings(Method::Mis, sampler, samples(128), first + seed) };
+            (0..24).map(|seed| film(&renderer, &settings(seed))).collect()
+        };
+        let (found, chance) = (seeds(0.1, 2000 + 100 * k as u64), seeds(0.0, 3000 + 100 * k as u64));
+        let of = |films: &[Film], value: &dyn Fn(&Film) -> f64| {
+            Estimate::of_replicates(&films.iter().map(value).collect::<Vec<_>>())
+        };
+        for i in 0..found[0].pixels().len() {
+            let (e, f) = (of(&found, &|f| f.mean(i)[1]), of(&chance, &|f| f.mean(i)[1]));
+            family.add(e.p_equal(&f), format!("{sampler:?}, pixel {i}: {} and {}", e.mean, f.mean));
+        }
+        for k in 0..3 {
+            let mean = |f: &Film| Estimate::of_film(f, k).mean;
+            let (e, f) = (of(&found, &mean), of(&chance, &mean));
+            family.add(e.p_equal(&f), format!("{sampler:?}, mean {k}: {} and {}", e.mean, f.mean));
+            println!("{sampler:?}, channel {k}: {:.5} and {:.5}, {:.2} %", e.mean, f.mean, 100.0 * f.relative_error());
         }
     }
     family.judge();
