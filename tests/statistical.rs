@@ -9,7 +9,7 @@ mod common;
 use common::meshes::{cuboid, quad, v};
 use common::stats::{Estimate, Family, detectable, uniformity};
 use common::worlds::{Scene, block, diffuse, glass, mirror, room, rooms};
-use common::{METHODS, SAMPLERS, film, full, samples, settings};
+use common::{METHODS, film, full, samples, settings};
 use wavetrace::film::Film;
 use wavetrace::render::{Integrator, Renderer, SamplerKind, Settings};
 use wavetrace::wave::Method;
@@ -65,35 +65,37 @@ fn methods_agree() {
     family.judge();
 }
 
-/// All of the lamp's light comes through a pane, and half of the room is seen in a mirror: light paths bring it to what the
-/// camera sees, aimed paths to what the mirror shows. Without either the lamp is hit by chance, as often as it is wide.
+/// A pane of index 1 lets all light through as it came, but no connection: light paths have to bring it to what the camera
+/// sees, aimed paths to what it sees in a mirror. Without the pane connections find it.
 #[test]
-fn light_through_glass_agrees_with_chance() {
+fn light_through_glass_agrees_with_light_through_nothing() {
     let mut family = Family::one_of(FAMILIES);
-    let renderer = room(SIZE)
-        .with(cuboid(v(-0.98, -0.98, 1.5), v(0.98, 0.98, 1.56)), glass(0.95, 1.5))
-        .with(quad(v(-0.98, 0.95, 0.02), v(0.9, -0.05, 0.0), v(0.0, 0.0, 1.4)), mirror(0.9))
-        .renderer();
-    for (k, sampler) in SAMPLERS.into_iter().enumerate() {
-        let seeds = |light_paths: f32, first: u64| -> Vec<Film> {
-            let settings =
-                |seed| Settings { light_paths, ..settings(Method::Mis, sampler, samples(128), first + seed) };
-            (0..24).map(|seed| film(&renderer, &settings(seed))).collect()
-        };
-        let (found, chance) = (seeds(0.1, 2000 + 100 * k as u64), seeds(0.0, 3000 + 100 * k as u64));
-        let of = |films: &[Film], value: &dyn Fn(&Film) -> f64| {
-            Estimate::of_replicates(&films.iter().map(value).collect::<Vec<_>>())
-        };
-        for i in 0..found[0].pixels().len() {
-            let (e, f) = (of(&found, &|f| f.mean(i)[1]), of(&chance, &|f| f.mean(i)[1]));
-            family.add(e.p_equal(&f), format!("{sampler:?}, pixel {i}: {} and {}", e.mean, f.mean));
-        }
-        for k in 0..3 {
-            let mean = |f: &Film| Estimate::of_film(f, k).mean;
-            let (e, f) = (of(&found, &mean), of(&chance, &mean));
-            family.add(e.p_equal(&f), format!("{sampler:?}, mean {k}: {} and {}", e.mean, f.mean));
-            println!("{sampler:?}, channel {k}: {:.5} and {:.5}, {:.2} %", e.mean, f.mean, 100.0 * f.relative_error());
-        }
+    let world = |pane: bool| {
+        let glassy = cuboid(v(-0.98, -0.98, 1.5), v(0.98, 0.98, 1.56));
+        let room = room(SIZE).with(quad(v(-0.98, 0.97, 0.02), v(1.96, -0.1, 0.0), v(0.0, 0.0, 1.4)), mirror(0.9));
+        if pane { room.with(glassy, glass(1.0, 1.0)) } else { room }.renderer()
+    };
+    let (through, open) = (world(true), world(false));
+    let seeds = |renderer: &Renderer, light_paths: f32, first: u64| -> Vec<Film> {
+        let base = settings(Method::Mis, SamplerKind::Sobol, samples(1024), first);
+        let seed = |k| Settings { light_paths, seed: first + k, ..base.clone() };
+        (0..24).map(|k| film(renderer, &seed(k))).collect()
+    };
+    // What the mirror focuses is left to chance there, as in the methods that are tested above.
+    let (a, b) = (seeds(&through, 0.1, 2000), seeds(&open, 0.0, 3000));
+    let of = |films: &[Film], value: &dyn Fn(&Film) -> f64| {
+        Estimate::of_replicates(&films.iter().map(value).collect::<Vec<_>>())
+    };
+    for i in 0..a[0].pixels().len() {
+        let (e, f) = (of(&a, &|f| f.mean(i)[1]), of(&b, &|f| f.mean(i)[1]));
+        family.add(e.p_equal(&f), format!("pixel {i}: {} and {}", e.mean, f.mean));
+    }
+    for k in 0..3 {
+        let mean = |f: &Film| Estimate::of_film(f, k).mean;
+        let (e, f) = (of(&a, &mean), of(&b, &mean));
+        family.add(e.p_equal(&f), format!("mean {k}: {} and {}", e.mean, f.mean));
+        let error = (e.variance + f.variance).sqrt() / f.mean;
+        println!("channel {k}: {:.5} and {:.5}, error {:.3} %", e.mean, f.mean, 100.0 * error);
     }
     family.judge();
 }
