@@ -28,7 +28,7 @@ pub struct Arrival {
 }
 
 /// The map of all cells.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Spots {
     low: [f32; 3],
     cells_per_unit: f32,
@@ -120,11 +120,6 @@ impl Spots {
         rows
     }
 
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
-        let row = size_of::<f32>() * (1 + MOST + 4 * MOST);
-        self.cells.len() * size_of::<u16>() + self.balls.len() * row
-    }
     /// How likely a path that has so much of its energy left, 1 at the camera, looks for focused light at a point.
     #[inline(always)]
     pub fn chance<L: Lanes>(&self, point: Vec3<L>, energy: L) -> L {
@@ -205,8 +200,8 @@ mod tests {
     }
 
     /// Directions against the stated density: chi-squared over 8 x 16 cells of the sphere, whose integrals are sums over
-    /// 2^20 uniform directions with an error of their own; cells below 5 pooled, and nothing outside of what it covers. 6 tests at 10^-3 in
-    /// all (Sidak): each at 1.7e-4.
+    /// 2^20 uniform directions with an error of their own; cells below 5 pooled, and nothing outside of what it covers. 6 tests
+    /// at 10^-3 in all (Sidak): each at 1.7e-4.
     #[test]
     fn directions_follow_the_density() {
         let cell = |d: [f32; 3]| {
