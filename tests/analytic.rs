@@ -344,6 +344,8 @@ fn polygon_lights_give_the_irradiance_of_lamberts_formula() {
     let lights = [
         ("above", patch(0.1, 0.2, 1.0, 1.0, 0.6)),
         ("near", patch(0.0, 0.0, 0.15, 1.0, 1.0)),
+        ("at a hundredth of its size", patch(0.0, 0.0, 0.01, 1.0, 1.0)),
+        ("the same, a triangle", triangle(v(-1.0, -1.0, 0.01), v(2.0, -0.5, 0.01), v(-0.5, 1.5, 0.01))),
         ("far", patch(3.0, 4.0, 40.0, 20.0, 20.0)),
         ("wide", patch(0.0, 0.0, 1.0, 50.0, 50.0)),
         ("grazing", quad(v(-1.0, 2.0, 0.05), v(2.0, 0.0, 0.0), v(0.0, 0.0, 0.4))),
@@ -352,7 +354,9 @@ fn polygon_lights_give_the_irradiance_of_lamberts_formula() {
     ];
     for (k, (name, light)) in lights.into_iter().enumerate() {
         let exact = 0.6 / std::f64::consts::PI * 2.0 * irradiance(&light.positions);
-        let eye = v(1.0, -1.5, 0.12);
+        // Below the light.
+        let lowest = light.positions.iter().fold(0.12, |least, p| p.z.min(least));
+        let eye = v(1.0, -1.5, if lowest < 0.05 { 0.5 * lowest } else { 0.12 });
         let renderer = Scene::new(camera(eye, -eye, [4, 4], 1e-3))
             .with(patch(0.0, 0.0, 0.0, 10.0, 10.0), diffuse(0.6))
             .with(light, lamp(2.0))

@@ -5,17 +5,17 @@ mod common;
 
 use common::meshes::{inverted, patch, v};
 use common::stats::{Estimate, Family};
-use common::worlds::{Scene, block, camera, diffuse, room, rooms};
+use common::worlds::{Scene, block, camera, diffuse, lamp, room, rooms};
 use common::{SAMPLERS, film, samples, settings};
 use std::time::Duration;
 use wavetrace::film::Film;
-use wavetrace::render::{Control, Rendered, Renderer, SamplerKind, Settings};
+use wavetrace::render::{Control, Effort, Rendered, Renderer, SamplerKind, Settings};
 use wavetrace::wave::Method;
 use wavetrace::world::MaterialInput;
 
 const SIZE: [u32; 2] = [20, 12];
 /// Families of tests in this suite.
-const FAMILIES: usize = 2;
+const FAMILIES: usize = 3;
 
 fn render(renderer: &Renderer, settings: &Settings) -> Rendered {
     renderer.render(settings, &Control::default()).unwrap()
@@ -93,6 +93,60 @@ fn rel_mse(a: &Film, b: &Film) -> f64 {
     let of =
         |i: usize| -> f64 { a.mean(i).into_iter().zip(b.mean(i)).map(|(a, b)| (a - b).powi(2) / (b * b + 0.01)).sum() };
     (0..pixels).map(of).sum::<f64>() / (3 * pixels) as f64
+}
+
+/// A lit floor in one corner of an image of three by two tiles; the rest is black.
+fn corner() -> Renderer {
+    Scene::new(camera(v(0.0, -3.0, 1.0), v(0.0, 1.0, -0.1), [96, 64], 60.0))
+        .with(patch(-0.8, 0.0, 0.2, 1.0, 1.0), diffuse(0.7))
+        .with(patch(-0.8, 0.0, 0.3, 0.4, 0.4), diffuse(0.7))
+        .with(inverted(patch(-0.9, 0.1, 1.0, 0.3, 0.3)), lamp(10.0))
+        .renderer()
+}
+
+#[test]
+fn tiles_share_out_the_samples_alike_everywhere() {
+    let renderer = corner();
+    for sampler in SAMPLERS {
+        for (goal, spp) in [(None, 40), (Some(1e-4), u32::MAX)] {
+            let base = Settings { target_error: goal, threads: 1, ..settings(Method::Mis, sampler, spp, 4) };
+            let tiles = Settings { effort: Effort::Tiles, ..base };
+            let one = render(&renderer, &tiles);
+            let other = render(&renderer, &Settings { threads: 3, wave_size: 64, ..tiles });
+            assert!(one.film == other.film && one.counts.camera == other.counts.camera && one.error == other.error);
+            let (fewest, most) = counts(&one.film);
+            assert!(4 * fewest <= most && fewest > 0 && !one.partial, "{fewest} to {most} samples");
+            assert!(goal.is_some() || one.mean_spp() <= 40.0, "{}", one.mean_spp());
+        }
+    }
+    // A trial that is not done in time decides nothing.
+    let open = Settings { spp: u32::MAX, time: Duration::ZERO, ..settings(Method::Mis, SamplerKind::Sobol, 1, 4) };
+    let none = render(&renderer, &Settings { effort: Effort::Tiles, ..open });
+    assert_eq!((counts(&none.film), none.partial), ((1, 1), false));
+}
+
+/// By t-test, over seeds: the same mean, with less error.
+#[test]
+fn tiles_with_more_error_get_more_samples_and_keep_their_mean() {
+    let mut family = Family::one_of(FAMILIES);
+    let renderer = corner();
+    let truth = film(&renderer, &settings(Method::Mis, SamplerKind::Sobol, 1 << 12, 1));
+    for sampler in SAMPLERS {
+        let [even, tiles] = [Effort::Even, Effort::Tiles].map(|effort| -> [Estimate; 2] {
+            let films = (0..u64::from(samples(30))).map(|seed| {
+                // Other seeds for each, so that means are independent.
+                let seed = 2 * seed + u64::from(effort == Effort::Tiles);
+                film(&renderer, &Settings { effort, ..settings(Method::Mis, sampler, 32, 100 + seed) })
+            });
+            let (means, errors): (Vec<_>, Vec<_>) = films.map(|film| (mean(&film), rel_mse(&film, &truth))).unzip();
+            [means, errors].map(|values| Estimate::of_replicates(&values))
+        });
+        println!("{sampler:?}: relMSE {:.3e} even, {:.3e} by tiles", even[1].mean, tiles[1].mean);
+        family
+            .add(even[0].p_equal(&tiles[0]), format!("{sampler:?}: {} even, {} by tiles", even[0].mean, tiles[0].mean));
+        assert!(tiles[1].mean < even[1].mean && tiles[1].p_equal(&even[1]) < 1e-6, "{sampler:?}");
+    }
+    family.judge();
 }
 
 /// Estimates of renders of a fixed number of samples, against their errors.

@@ -3,7 +3,7 @@
 pub use super::args_bench::{Bench, RaysArgs};
 pub use super::args_compare::CompareArgs;
 use super::chart::ChartArgs;
-use super::choices::{Integrator, Method, Quality, Sampler, ToneMap};
+use super::choices::{Effort, Integrator, Method, Quality, Sampler, ToneMap};
 use super::values::{error, exposure, light_paths, seconds, size};
 use clap::{Args, Parser, Subcommand, value_parser};
 use std::path::PathBuf;
@@ -128,6 +128,9 @@ pub struct RenderArgs {
     /// Where random numbers come from
     #[arg(long, value_name = "SAMPLER", value_enum, default_value_t, help_heading = "Light transport")]
     pub sampler: Sampler,
+    /// Which tiles of the image get how many samples; --spp is the mean
+    #[arg(long, value_name = "EFFORT", value_enum, default_value_t, help_heading = "Light transport")]
+    pub effort: Effort,
     /// Seed of the random numbers; the same seed gives the same image, on any number of threads
     #[arg(long, value_name = "N", default_value_t, allow_negative_numbers = true, help_heading = "Light transport")]
     pub seed: u64,
@@ -190,6 +193,7 @@ impl RenderArgs {
             max_depth: self.max_depth,
             method: self.method.into(),
             sampler: self.sampler.into(),
+            effort: self.effort.into(),
             wave_size: self.wave as usize,
             light_paths: self.light_paths,
             integrator: self.integrator.into(),
@@ -237,6 +241,8 @@ mod tests {
             "nee",
             "--sampler",
             "sobol",
+            "--effort",
+            "tiles",
             "--wave",
             "64",
             "--light-paths",
@@ -263,6 +269,7 @@ mod tests {
             max_depth: Some(0),
             method: wavetrace::wave::Method::Nee,
             sampler: wavetrace::render::SamplerKind::Sobol,
+            effort: wavetrace::render::Effort::Tiles,
             wave_size: 64,
             light_paths: 0.5,
             integrator: wavetrace::render::Integrator::Reference,

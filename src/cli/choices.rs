@@ -25,6 +25,16 @@ pub enum Sampler {
     Sobol,
 }
 
+/// Which tiles get how many samples, `--effort`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Effort {
+    /// All the same
+    #[default]
+    Even,
+    /// More where there is more error, as eight samples per pixel tell that are traced before
+    Tiles,
+}
+
 /// Which integrator runs, `--integrator`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Integrator {
@@ -106,6 +116,15 @@ impl From<Sampler> for render::SamplerKind {
         match sampler {
             Sampler::Xoshiro => Self::Xoshiro,
             Sampler::Sobol => Self::Sobol,
+        }
+    }
+}
+
+impl From<Effort> for render::Effort {
+    fn from(effort: Effort) -> Self {
+        match effort {
+            Effort::Even => Self::Even,
+            Effort::Tiles => Self::Tiles,
         }
     }
 }

@@ -56,6 +56,7 @@ fn document(run: &Run<'_>) -> Value {
         "seed": settings.seed,
         "method": word(args.method),
         "sampler": word(args.sampler),
+        "effort": word(args.effort),
         "time": args.time,
         "target_error": args.target_error,
         "max_depth": settings.max_depth,

@@ -18,7 +18,7 @@ mod vec3;
 
 pub use dispatch::{Kernel, dispatch, simd};
 pub use eight::{Wide, WideU32};
-pub use math::{safe_sqrt, sin_cos_turns};
+pub use math::{atan2_turns, safe_sqrt, sin_cos_turns};
 pub use portable::{F32x8, U32x8};
 pub use prefetch::{prefetch_ends, prefetch_lines};
 pub use vec3::{Frame, Vec3, largest_coordinate, select3};

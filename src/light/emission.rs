@@ -54,7 +54,8 @@ impl Lights {
         for (number, &u) in chosen.iter_mut().zip(u.as_ref()) {
             *number = self.by_power.draw(u) as u32;
         }
-        let light = self.point_on(L::Uint::load(&chosen), L::splat(1.0), at);
+        let number = L::Uint::load(&chosen);
+        let light = self.point_on(number, &self.chosen(number), at);
         let direction = targets.sample(light.point, picks[1], towards);
         let cos = light.normal.dot(direction);
         let start = L::from_fn(|i| self.starts[chosen[i] as usize]);

@@ -1,10 +1,11 @@
 //! Lights: luminous triangles as two-sided emitters, chosen by their importance at the point that they light, and sampled
-//! by area.
+//! by solid angle where they are near, by area elsewhere.
 
 mod emission;
 mod emitter;
 mod few;
 mod importance;
+mod solid;
 mod spots;
 mod targets;
 mod tree;
@@ -15,11 +16,12 @@ pub use importance::Receiver;
 pub use spots::{Arrival, Spots};
 pub use targets::{Ball, Targets};
 
-use crate::lanes::{Lanes, LanesU32, MAX_LANES, Vec3};
+use crate::lanes::{Lanes, LanesU32, MAX_LANES, Mask, Vec3, select3};
 use crate::sampling::warp;
 use emission::ByPower;
 use few::Few;
 use importance::Bounds;
+use solid::Sides;
 use tree::Tree;
 
 /// Emitters up to this number are told apart one by one.
@@ -53,6 +55,15 @@ pub struct LightPoint<L: Lanes> {
     pub radiance: Vec3<L>,
     /// Density of choosing the point, per area; 0 where no light was found that can be of use.
     pub pdf_area: L,
+}
+
+/// What the rows of emitters hold.
+struct Chosen<L: Lanes> {
+    sides: Sides<L>,
+    normal: Vec3<L>,
+    radiance: Vec3<L>,
+    /// One over the area.
+    density: L,
 }
 
 /// What a ray sees that hits a light.
@@ -159,31 +170,66 @@ impl Lights {
             Choice::Few(few) => few.pick(from, pick),
             Choice::Many(tree) => tree.pick(from, pick),
         };
-        self.point_on(number, chance, u)
+        let emitter = self.chosen::<L>(number);
+        let light = self.point_on(number, &emitter, u);
+        let Chosen { sides, normal, .. } = &emitter;
+        let near = sides.near(from.point, *normal);
+        let light = if near.any() { Self::by_angle(light, near, sides, *normal, from.point, u) } else { light };
+        LightPoint { pdf_area: chance * light.pdf_area, ..light }
     }
-    /// Points of the given emitters, which were chosen with probability `chance`.
+    /// Chooses anew where emitters are `near`.
     #[inline(always)]
-    fn point_on<L: Lanes>(&self, number: L::Uint, chance: L, u: [L; 2]) -> LightPoint<L> {
-        let numbers = number.array();
-        let mut chosen = [0; MAX_LANES];
-        chosen[..L::N].copy_from_slice(numbers.as_ref());
+    fn by_angle<L: Lanes>(
+        by_area: LightPoint<L>,
+        near: L::Mask,
+        sides: &Sides<L>,
+        normal: Vec3<L>,
+        from: Vec3<L>,
+        u: [L; 2],
+    ) -> LightPoint<L> {
+        let (solid, good) = sides.seen(from);
+        let wi = solid.sample(u);
+        let cos = normal.dot(wi);
+        let distance = normal.dot(sides.corner - from) / cos;
+        let pdf_area = cos.abs() / (solid.angle() * distance * distance);
+        let use_it = near & good & distance.gt(L::splat(0.0)) & pdf_area.lt(L::splat(f32::INFINITY));
+        LightPoint {
+            point: select3(use_it, wi.mul_add(distance, from), by_area.point),
+            pdf_area: L::select(use_it, pdf_area, by_area.pdf_area),
+            ..by_area
+        }
+    }
+    /// The given emitters.
+    #[inline(always)]
+    fn chosen<L: Lanes>(&self, number: L::Uint) -> Chosen<L> {
+        let chosen = lanes_of::<L>(number);
         let [ax, ay, az, ex, ey, ez, fx, fy] = self.half_rows::<L>(&chosen, 0);
         let [fz, nx, ny, nz, red, green, blue, density] = self.half_rows::<L>(&chosen, 1);
-        let reach = match self.choice {
-            Choice::Only => L::splat(self.reaches[0]),
-            _ => L::from_fn(|i| self.reaches[chosen[i] as usize]),
-        };
-        let (a, e, f) = (Vec3::new(ax, ay, az), Vec3::new(ex, ey, ez), Vec3::new(fx, fy, fz));
-        let (v, w) = warp::triangle(u);
-        let half = density.lt(L::splat(0.0));
-        let (v, w) = (L::select(half, v, u[0]), L::select(half, w, u[1]));
-        LightPoint {
-            point: e.mul_add(v, f.mul_add(w, a)),
-            reach,
+        Chosen {
+            sides: Sides {
+                corner: Vec3::new(ax, ay, az),
+                edges: [Vec3::new(ex, ey, ez), Vec3::new(fx, fy, fz)],
+                half: density.lt(L::splat(0.0)),
+            },
             normal: Vec3::new(nx, ny, nz),
             radiance: Vec3::new(red, green, blue),
-            pdf_area: chance * density.abs(),
+            density: density.abs(),
         }
+    }
+    /// Points of the given emitters, by area; the density is that of the point alone.
+    #[inline(always)]
+    fn point_on<L: Lanes>(&self, number: L::Uint, emitter: &Chosen<L>, u: [L; 2]) -> LightPoint<L> {
+        let Chosen { sides: Sides { corner, edges: [e, f], half }, normal, radiance, density } = *emitter;
+        let reach = match self.choice {
+            Choice::Only => L::splat(self.reaches[0]),
+            _ => {
+                let chosen = lanes_of::<L>(number);
+                L::from_fn(|i| self.reaches[chosen[i] as usize])
+            }
+        };
+        let (v, w) = warp::triangle(u);
+        let (v, w) = (L::select(half, v, u[0]), L::select(half, w, u[1]));
+        LightPoint { point: e.mul_add(v, f.mul_add(w, corner)), reach, normal, radiance, pdf_area: density }
     }
     /// One half of the rows of the given emitters. Where there is one emitter, nothing is looked up.
     #[inline(always)]
@@ -195,10 +241,17 @@ impl Lights {
         }
         L::columns8(|i| &self.rows[chosen[i] as usize][half])
     }
-    /// Radiance of luminous triangles, by their numbers, and the density per area with which [`Self::sample`] would have
-    /// chosen a point on them from `from`.
+    /// Radiance of luminous triangles, by their numbers, and the density per solid angle with which [`Self::sample`] would
+    /// have chosen a point on them from `from`: the point `way` from there, where they are hit at an angle of cosine `cos` > 0
+    /// with their normal.
     #[inline(always)]
-    pub fn seen<L: Lanes>(&self, row: impl Fn(usize) -> usize, from: &Receiver<L>) -> (Vec3<L>, L) {
+    pub fn seen<L: Lanes>(
+        &self,
+        row: impl Fn(usize) -> usize,
+        from: &Receiver<L>,
+        way: Vec3<L>,
+        cos: L,
+    ) -> (Vec3<L>, L) {
         let seen = |i: usize| self.seen[row(i)];
         let emitter = L::Uint::from_fn(|i| seen(i).emitter);
         let chance = match &self.choice {
@@ -206,8 +259,25 @@ impl Lights {
             Choice::Few(few) => few.probability(from, emitter),
             Choice::Many(tree) => tree.probability(from, emitter),
         };
-        (Vec3::from_fn(|i| seen(i).radiance), chance * L::from_fn(|i| seen(i).density))
+        let by_area = L::from_fn(|i| seen(i).density) * way.length2() / cos.max(L::splat(f32::MIN_POSITIVE));
+        let Chosen { sides, normal, .. } = self.chosen::<L>(emitter);
+        let near = sides.near(from.point, normal);
+        let density = if near.any() {
+            let (solid, good) = sides.seen(from.point);
+            L::select(near & good, L::splat(1.0) / solid.angle(), by_area)
+        } else {
+            by_area
+        };
+        (Vec3::from_fn(|i| seen(i).radiance), chance * density)
     }
+}
+
+/// The numbers of as many emitters as there are lanes.
+#[inline(always)]
+fn lanes_of<L: Lanes>(number: L::Uint) -> [u32; MAX_LANES] {
+    let mut chosen = [0; MAX_LANES];
+    chosen[..L::N].copy_from_slice(number.array().as_ref());
+    chosen
 }
 
 #[cfg(test)]
@@ -334,6 +404,9 @@ mod tests {
         }
     }
 
+    /// From a receiver to where a light is hit, in tests that do not care.
+    const WAY: [f32; 3] = [0.3, 0.2, -0.6];
+
     /// Eight receivers at once.
     struct Eight<'a>(&'a Lights, u32);
     impl Kernel for Eight<'_> {
@@ -345,7 +418,7 @@ mod tests {
             let from = Receiver { point, normal: Vec3::from_fn(|i| at(i).normal.lane(0)) };
             let u = |k: u32| W::from_fn(|i| unit(i as u32, k));
             let p = self.0.sample(&from, u(0), [u(1), u(2)]);
-            let (_, pdf) = self.0.seen(|i| i % self.0.len(), &from);
+            let (_, pdf) = self.0.seen(|i| i % self.0.len(), &from, Vec3::splat(WAY), W::splat(0.5));
             ([p.point.x.array(), p.point.y.array(), p.point.z.array(), p.pdf_area.array()], pdf.array())
         }
     }
@@ -367,7 +440,7 @@ mod tests {
                     let p = lights.sample(&from, u(0), [u(1), u(2)]);
                     let [x, y, z] = p.point.lane(0);
                     assert_eq!(sampled.map(|c| c[i]), [x, y, z, p.pdf_area], "{n} lights");
-                    assert_eq!(pdf[i], lights.seen(|_| i % lights.len(), &from).1, "{n} lights");
+                    assert_eq!(pdf[i], lights.seen(|_| i % lights.len(), &from, Vec3::splat(WAY), 0.5).1);
                 }
             }
         }

@@ -6,7 +6,8 @@ mod schedule;
 mod settings;
 
 pub use settings::{
-    DEFAULT_LIGHT_PATHS, DEFAULT_WAVE, Integrator, MAX_LIGHT_PATHS, MAX_THREADS, MAX_WAVE, SamplerKind, Settings,
+    DEFAULT_LIGHT_PATHS, DEFAULT_WAVE, Effort, Integrator, MAX_LIGHT_PATHS, MAX_THREADS, MAX_WAVE, SamplerKind,
+    Settings,
 };
 
 use crate::accel::{BuildOptions, Bvh};
@@ -15,7 +16,7 @@ use crate::film::{BadSample, Film};
 use crate::light::Spots;
 use crate::probe::{NoProbe, StageRow, StageTimes};
 use crate::sampling::{Screen, Sobol, Xoshiro};
-use crate::wave::{Context, Counts, Plan};
+use crate::wave::{Context, Counts, Efforts, Plan};
 use crate::world::World;
 use rounds::Rounds;
 use schedule::Round;
@@ -107,9 +108,11 @@ impl Rendered {
             partial: false,
         }
     }
-    /// Samples per pixel that were traced, on average.
+    /// Samples per pixel that the image is made of, on average.
     pub fn mean_spp(&self) -> f64 {
-        self.counts.camera as f64 / (f64::from(self.film.width()) * f64::from(self.film.height()))
+        let pixels = self.film.pixels();
+        let lost = self.bad.iter().filter(|bad| bad.sample != u32::MAX).count() as u64;
+        (pixels.iter().map(|pixel| pixel.count).sum::<u64>() + lost) as f64 / pixels.len() as f64
     }
     fn add_stages(&mut self, stages: Vec<StageRow>) {
         if self.stages.is_empty() {
@@ -187,14 +190,20 @@ impl Renderer {
             Rendered { error: settings.target_error.map(|_| 0.0), ..Rendered::of(black(film, settings)) }
         } else {
             let (spots, survey) = self.survey(&plan, settings)?;
-            let rounds = Rounds { renderer: self, plan: &plan, spots: &spots, settings, control, start };
+            let even = Efforts::default();
+            let rounds =
+                Rounds { renderer: self, plan: &plan, spots: &spots, efforts: &even, settings, control, start };
+            let (efforts, trial) = rounds.efforts()?;
+            let rounds = Rounds { efforts: &efforts, ..rounds };
             let mut rendered = match settings.target_error {
                 Some(target) => rounds.until_error(film, target),
                 None if settings.time < Duration::MAX => rounds.until_time(film),
                 None => rounds.all(film),
             }?;
-            rendered.counts.add(&survey.counts);
-            rendered.add_stages(survey.stages);
+            for before in [survey, trial] {
+                rendered.counts.add(&before.counts);
+                rendered.add_stages(before.stages);
+            }
             rendered
         };
         rendered.time = start.elapsed();
@@ -225,7 +234,7 @@ impl Renderer {
         &self,
         cx: &Context<'_>,
         settings: &Settings,
-        round: &Round,
+        round: &Round<'_>,
         film: Film,
         control: &Control,
     ) -> Result<Rendered> {

@@ -9,18 +9,22 @@
 //! errors are looked at does not depend on them either.
 
 use super::schedule::Round;
-use super::{Control, Rendered, Renderer, Settings};
+use super::{Control, Effort, Rendered, Renderer, Settings};
 use crate::error::Result;
 use crate::film::Film;
 use crate::light::Spots;
 use crate::sampling::Screen;
-use crate::wave::{Context, Plan};
+use crate::wave::{Context, Efforts, Plan};
 use std::time::{Duration, Instant};
 
 /// Images that a render is made of, where its error is estimated.
 pub(super) const REPLICATES: u32 = 4;
 /// From one seed to the next replicate's.
 const SEED_STEP: u64 = 0xd134_2543_de82_ef95;
+/// Samples of each pixel of a render that tells where the error is.
+const TRIAL: u32 = 4;
+/// Seeds of the two.
+const TRIAL_SEEDS: [u64; 2] = [0x9e6c_63d0_876a_68ee, 0xd1b5_4a32_d192_ed03];
 /// A round of more samples than these is of multiples of it: jobs are then whole.
 const WHOLE: u32 = 64;
 
@@ -29,6 +33,7 @@ pub(super) struct Rounds<'a> {
     pub renderer: &'a Renderer,
     pub plan: &'a Plan,
     pub spots: &'a Spots,
+    pub efforts: &'a Efforts,
     pub settings: &'a Settings,
     pub control: &'a Control,
     pub start: Instant,
@@ -61,6 +66,26 @@ impl Half {
 }
 
 impl Rounds<'_> {
+    /// How tiles share out the samples, and what it took to find out: two small renders, whose samples are no part of the
+    /// image, so that no sample decides how much it counts. Without either if they are not done in time.
+    pub fn efforts(&self) -> Result<(Efforts, Rendered)> {
+        let mut all = Rendered::of(Film::new(0, 0));
+        if self.settings.effort == Effort::Even {
+            return Ok((Efforts::default(), all));
+        }
+        let [width, height] = [self.renderer.world.width(), self.renderer.world.height()];
+        let deadline = self.start.checked_add(self.settings.time / 4);
+        let mut films = Vec::new();
+        for seed in TRIAL_SEEDS {
+            let round = Round { samples: 0..TRIAL, efforts: self.efforts, counts: false, deadline };
+            films.push(all.add(self.trace(seed, TRIAL, &round, Film::new(width, height))?));
+        }
+        if std::mem::take(&mut all.partial) {
+            return Ok((Efforts::default(), all));
+        }
+        Ok((Efforts::new(&films[0], &films[1]), all))
+    }
+
     /// One round of all samples.
     pub fn all(&self, film: Film) -> Result<Rendered> {
         self.round(self.settings.seed, 0, self.settings.spp, film, None)
@@ -117,6 +142,16 @@ impl Rounds<'_> {
     }
 
     fn round(&self, seed: u64, from: u32, to: u32, film: Film, deadline: Option<Instant>) -> Result<Rendered> {
+        let Self { efforts, settings, .. } = *self;
+        self.trace(
+            seed,
+            efforts.most(settings.spp),
+            &Round { samples: from..to, efforts, counts: true, deadline },
+            film,
+        )
+    }
+    /// A round of an image of which no pixel gets more than `most` samples.
+    fn trace(&self, seed: u64, most: u32, round: &Round<'_>, film: Film) -> Result<Rendered> {
         let Self { renderer, plan, spots, settings, control, .. } = *self;
         let cx = Context {
             world: &renderer.world,
@@ -124,9 +159,9 @@ impl Rounds<'_> {
             plan,
             spots,
             seed,
-            screen: Screen::new(renderer.world.width(), settings.spp),
+            screen: Screen::new(renderer.world.width(), most),
         };
-        renderer.round(&cx, settings, &Round { samples: from..to, deadline }, film, control)
+        renderer.round(&cx, settings, round, film, control)
     }
     fn deadline(&self) -> Option<Instant> {
         self.start.checked_add(self.settings.time)

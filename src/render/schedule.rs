@@ -9,7 +9,7 @@ use crate::film::{BadSample, Film, Pixel};
 use crate::light::Arrival;
 use crate::probe::{Probe, Stage, StageRow};
 use crate::sampling::{Sampler, Sobol};
-use crate::wave::{Context, Counts, Grid, Job, LIGHT_JOB, LightWave, Place, Splat, Wave};
+use crate::wave::{Context, Counts, Efforts, Grid, Job, LIGHT_JOB, LightWave, Place, Splat, Wave};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Mutex;
@@ -151,14 +151,18 @@ struct Work {
 
 /// Some samples of every pixel.
 #[derive(Clone, Debug)]
-pub(super) struct Round {
+pub(super) struct Round<'a> {
     /// Which samples.
     pub samples: Range<u32>,
+    /// How tiles share them out.
+    pub efforts: &'a Efforts,
+    /// Whether light paths are traced, too, and what is done is counted.
+    pub counts: bool,
     /// When to end, done or not.
     pub deadline: Option<Instant>,
 }
 
-impl Round {
+impl Round<'_> {
     fn is_over(&self) -> bool {
         self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
@@ -210,15 +214,15 @@ pub(super) fn survey<P: Probe>(cx: &Context<'_>, settings: &Settings) -> Result<
 pub(super) fn run<S: Sampler, P: Probe>(
     cx: &Context<'_>,
     settings: &Settings,
-    round: &Round,
+    round: &Round<'_>,
     film: Film,
     control: &Control,
 ) -> Result<Rendered> {
     let pool = pool(settings)?;
     let size = [cx.world.width(), cx.world.height()];
-    let grid = Grid::new(size, round.samples.clone());
+    let grid = Grid::new(size, round.samples.clone(), round.efforts);
     let lights = |samples: u32| (f64::from(cx.plan.light_paths) * f64::from(samples)).round() as u64;
-    let lights = lights(round.samples.start)..lights(round.samples.end);
+    let lights = if round.counts { lights(round.samples.start)..lights(round.samples.end) } else { 0..0 };
     let order = Order { tiles: grid.tiles(), visits: grid.visits() as usize, lights };
     let shared = Shared {
         next: AtomicUsize::new(0),
@@ -257,7 +261,8 @@ pub(super) fn run<S: Sampler, P: Probe>(
                 }
             };
             sums.clear();
-            for pass in grid.passes(visit) {
+            job.rest(tile);
+            for pass in grid.passes(tile, visit) {
                 grid.job(tile, pass, &mut job);
                 let before = counts.rays();
                 let samples = match &mut wave {
@@ -268,7 +273,9 @@ pub(super) fn run<S: Sampler, P: Probe>(
                     None => reference.run::<S, false>(cx, &job, &mut counts),
                 };
                 probe.stage(Stage::Accumulate, samples.len(), || sums.accumulate(&job, samples));
-                control.advance(job.paths() as u64, counts.rays() - before);
+                if round.counts {
+                    control.advance(job.paths() as u64, counts.rays() - before);
+                }
             }
             shared.merge.lock().unwrap_or_else(|e| e.into_inner()).add(visit, &mut job, &mut sums);
         }

@@ -15,6 +15,16 @@ pub enum SamplerKind {
     Sobol,
 }
 
+/// Which tiles get how many samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Effort {
+    /// All the same.
+    #[default]
+    Even,
+    /// Tiles with more error get more, as a few samples tell that are traced before and are no part of the image.
+    Tiles,
+}
+
 /// Which integrator runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Integrator {
@@ -47,6 +57,8 @@ pub struct Settings {
     pub method: Method,
     /// Where random numbers come from.
     pub sampler: SamplerKind,
+    /// Which tiles get how many samples; their mean over the pixels is `spp` at most.
+    pub effort: Effort,
     /// Paths in flight per worker, at least 1.
     pub wave_size: usize,
     /// Light paths per camera path, where mirrors or glass can focus light; 0 for none, at most [`MAX_LIGHT_PATHS`].
@@ -68,6 +80,7 @@ impl Default for Settings {
             max_depth: None,
             method: Method::Mis,
             sampler: SamplerKind::Sobol,
+            effort: Effort::Even,
             wave_size: DEFAULT_WAVE,
             light_paths: DEFAULT_LIGHT_PATHS,
             integrator: Integrator::Wavefront,

@@ -29,9 +29,7 @@ pub fn emitted_radiance<L: Lanes>(
     let (e1, e2) = (b - a, c - a);
     let to_point = (a - path.origin) + e1 * hit.u + e2 * hit.v;
     let cos = e1.cross(e2).normalize().dot(path.direction).abs();
-    // Per solid angle: area density times squared distance over cosine.
-    let (radiance, pdf_area) = world.lights.seen(row, &Receiver { point: path.origin, normal });
-    let light_pdf = pdf_area * to_point.length2() / cos.max(L::splat(f32::MIN_POSITIVE));
+    let (radiance, light_pdf) = world.lights.seen(row, &Receiver { point: path.origin, normal }, to_point, cos);
     let mut weight = power_heuristic(path.prev_pdf, light_pdf);
     if plan.caustics() {
         let density = world.lights.emission_density(&world.targets, row, path.origin + to_point, -path.direction, cos);

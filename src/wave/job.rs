@@ -1,18 +1,20 @@
 //! A job: some samples of the pixels of a tile. Jobs depend on the image alone, never on the number of threads.
 
+use super::effort::Efforts;
 use std::ops::Range;
 
 /// How an image is cut into jobs.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Grid {
+pub struct Grid<'a> {
     size: [u32; 2],
-    /// Which samples of each pixel.
+    /// Which samples of each pixel, before tiles differ.
     samples: Range<u32>,
+    efforts: &'a Efforts,
     /// Pixels of a tile across and down.
     side: u32,
 }
 
-impl Grid {
+impl<'a> Grid<'a> {
     /// Samples per pixel of a job at most: their radiance stays in cache.
     const SAMPLES: u32 = 64;
     /// Passes of a visit at most.
@@ -20,19 +22,29 @@ impl Grid {
     /// Paths of a job, if the image allows: enough to fill a wave.
     const PATHS: u32 = 4096;
 
-    /// Cuts an image of `width` x `height` pixels and these samples of each.
-    pub fn new(size: [u32; 2], samples: Range<u32>) -> Self {
+    /// Cuts an image of `width` x `height` pixels and these samples of each, as tiles share them out.
+    pub fn new(size: [u32; 2], samples: Range<u32>, efforts: &'a Efforts) -> Self {
         let most = (samples.len() as u32).clamp(1, Self::SAMPLES);
         let side = [16, 32, 64].into_iter().find(|s| s * s * most >= Self::PATHS).unwrap_or(64);
-        Self { size, samples, side }
+        let side = if efforts.is_even() { side } else { side.min(Efforts::SIDE) };
+        Self { size, samples, efforts, side }
     }
     /// Number of tiles.
     pub fn tiles(&self) -> usize {
         self.size[0].div_ceil(self.side) as usize * self.size[1].div_ceil(self.side) as usize
     }
-    /// Passes over the image: each is a job per tile.
+    /// First pixel of a tile.
+    fn corner(&self, tile: usize) -> [u32; 2] {
+        let across = self.size[0].div_ceil(self.side) as usize;
+        [(tile % across) as u32 * self.side, (tile / across) as u32 * self.side]
+    }
+    /// Which samples the pixels of a tile get.
+    fn samples(&self, tile: usize) -> Range<u32> {
+        self.efforts.samples(self.corner(tile), &self.samples)
+    }
+    /// Passes over the tiles with the most samples: each is a job per tile.
     fn all_passes(&self) -> u32 {
-        (self.samples.len() as u32).div_ceil(Self::SAMPLES)
+        self.efforts.most(self.samples.len() as u32).div_ceil(Self::SAMPLES)
     }
     /// Passes that a worker makes over a tile before it adds them to the film: more than one where there are many, so
     /// that the film is read less often.
@@ -43,16 +55,17 @@ impl Grid {
     pub fn visits(&self) -> u32 {
         1 + self.all_passes().saturating_sub(1).div_ceil(self.passes_per_visit())
     }
-    /// The passes of a visit. The first is one pass, so that a render that is interrupted soon leaves few tiles black.
-    pub fn passes(&self, visit: u32) -> Range<u32> {
-        let begin = |visit: u32| (1 + (visit - 1) * self.passes_per_visit()).min(self.all_passes());
-        if visit == 0 { 0..1 } else { begin(visit)..begin(visit + 1) }
+    /// The passes of a visit of a tile: none where it needs no more. The first is one pass, so that a render that is
+    /// interrupted soon leaves few tiles black.
+    pub fn passes(&self, tile: usize, visit: u32) -> Range<u32> {
+        let all = (self.samples(tile).len() as u32).div_ceil(Self::SAMPLES);
+        let begin = |visit: u32| (1 + (visit - 1) * self.passes_per_visit()).min(all);
+        if visit == 0 { 0..all.min(1) } else { begin(visit)..begin(visit + 1) }
     }
     /// Makes `job` the one of a tile and pass; it keeps its memory.
     pub fn job(&self, tile: usize, pass: u32, job: &mut Job) {
         let ([width, height], side) = (self.size, self.side);
-        let across = width.div_ceil(side) as usize;
-        let (x0, y0) = ((tile % across) as u32 * side, (tile / across) as u32 * side);
+        let [x0, y0] = self.corner(tile);
         job.pixels.clear();
         for i in 0..side * side {
             // Squares of 8 x 8, made of blocks of 4 x 2.
@@ -64,8 +77,9 @@ impl Grid {
             }
         }
         (job.tile, job.pass) = (tile, pass);
-        job.first_sample = self.samples.start + pass * Self::SAMPLES;
-        job.samples = Self::SAMPLES.min(self.samples.end - job.first_sample);
+        let samples = self.samples(tile);
+        job.first_sample = samples.start + pass * Self::SAMPLES;
+        job.samples = Self::SAMPLES.min(samples.end - job.first_sample);
     }
 }
 
@@ -85,6 +99,11 @@ pub struct Job {
 }
 
 impl Job {
+    /// A visit of a tile that needs no more samples.
+    pub fn rest(&mut self, tile: usize) {
+        (self.tile, self.samples) = (tile, 0);
+        self.pixels.clear();
+    }
     /// Number of paths.
     pub fn paths(&self) -> usize {
         self.pixels.len() * self.samples as usize
@@ -157,11 +176,16 @@ mod tests {
     #[test]
     fn jobs_cover_all_samples_once() {
         let mut job = Job::default();
-        for (first, spp) in [(0, 1), (3, 5), (0, 64), (100, 130), (u32::MAX - 600, 600)] {
-            let grid = Grid::new([77, 41], first..first + spp);
-            let mut seen = vec![first; 77 * 41];
-            let passes: Vec<u32> = (0..grid.visits()).flat_map(|v| grid.passes(v)).collect();
-            for (tile, &pass) in (0..grid.tiles()).flat_map(|t| passes.iter().map(move |p| (t, p))) {
+        let uneven = crate::wave::effort::tests::of([77, 41], |x, _| 1e-8 * f64::from(x + 1).powi(4));
+        let even = Efforts::default();
+        let ranges = [(0, 1), (3, 5), (0, 64), (100, 130), (u32::MAX - 600, 600)].map(|range| (range, &even));
+        for ((first, spp), efforts) in ranges.into_iter().chain([((0, 1), &uneven), ((100, 130), &uneven)]) {
+            let range = first..first + spp;
+            let grid = Grid::new([77, 41], range.clone(), efforts);
+            let of = |i: u32| efforts.samples([i % 77, i / 77], &range);
+            let mut seen: Vec<u32> = (0..77 * 41).map(|i| of(i).start).collect();
+            let visits = (0..grid.tiles()).flat_map(|t| (0..grid.visits()).map(move |v| (t, v)));
+            for (tile, pass) in visits.flat_map(|(t, v)| grid.passes(t, v).map(move |p| (t, p))) {
                 grid.job(tile, pass, &mut job);
                 assert_eq!(job.places(0).count(), job.paths());
                 for (slot, place) in job.places(0).enumerate() {
@@ -174,7 +198,7 @@ mod tests {
                 }
                 assert_eq!(job.places(job.paths()).next(), None);
             }
-            assert!(seen.iter().all(|&n| n == first + spp));
+            assert!((0..).zip(&seen).all(|(i, &n)| n == of(i).end));
         }
     }
 
@@ -182,7 +206,7 @@ mod tests {
     fn paths_of_a_tile_of_rays_are_neighbours() {
         for (spp, area) in [(64, 8), (8, 8), (1, 64), (4, 64)] {
             let mut job = Job::default();
-            Grid::new([128, 128], 0..spp).job(0, 0, &mut job);
+            Grid::new([128, 128], 0..spp, &Efforts::default()).job(0, 0, &mut job);
             for slot in (0..job.paths()).step_by(64) {
                 let tile: Vec<_> = job.places(slot).take(64).map(|p| p.pixel).collect();
                 let extent = |axis: usize| {

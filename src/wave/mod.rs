@@ -4,6 +4,7 @@
 mod caustic;
 mod compact;
 mod connect;
+mod effort;
 mod emit;
 mod escape;
 mod generate;
@@ -19,6 +20,7 @@ mod surface;
 pub use caustic::aim::{Aimed, aim_rows, aims, ratio};
 pub use caustic::{JOB as LIGHT_JOB, LightWave, Reversed, Splat, Splats, light_paths, scatter_rows, survey};
 pub use connect::shadow_rays;
+pub use effort::Efforts;
 pub use emit::emitted_radiance;
 pub use escape::background_radiance;
 pub use generate::camera_paths;

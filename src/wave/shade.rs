@@ -100,9 +100,9 @@ pub(super) fn draw<M: Lobe, S: Sampler, L: Lanes>(path: &mut Path<L>) -> [L; 3] 
     }
 }
 
-/// One bounce of a group of paths at surfaces of kind `M`.
+/// One bounce of a group of paths at surfaces of kind `M`. Without `FOCUS`, the plan must trace no light paths.
 #[inline(always)]
-pub fn shade_rows<M: Lobe, S: Sampler, L: Lanes>(
+pub fn shade_rows<M: Lobe, S: Sampler, L: Lanes, const FOCUS: bool>(
     world: &World,
     plan: &Plan,
     spots: &Spots,
@@ -164,7 +164,7 @@ where
         PrevPdf::Density => eval::<M, L>(world, &p, &surface, &frame, wo, wi).pdf,
     };
     let mut look = Aims::none(&came);
-    if plan.caustics() {
+    if FOCUS && plan.caustics() {
         if M::DELTA {
             first.aimed = ratio(spots, &came, first.aimed);
         } else {
@@ -178,7 +178,6 @@ where
     }
     path.throughput = path.throughput.scale(scattered.weight);
     let scale = if M::TRANSMITS { scale * scattered.radiance_scale } else { scale };
-
     let alive = alive::<S, L>(&mut path, scale);
     path.origin =
         if M::TRANSMITS { surface.spawn(scattered.transmitted) } else { surface.spawn(L::Mask::splat(false)) };
@@ -204,6 +203,17 @@ where
     type Out = ();
     #[inline(always)]
     fn run<W: Wide>(self) {
+        if self.plan.caustics() { self.rows::<W, true>() } else { self.rows::<W, false>() }
+    }
+}
+
+impl<M: Lobe, S: Sampler> Shade<'_, M, S>
+where
+    Materials: Table<M>,
+{
+    /// A scene without focused light does not carry what its weights need through registers.
+    #[inline(always)]
+    fn rows<W: Wide, const FOCUS: bool>(self) {
         let Self { q, kind, world, plan, spots, .. } = self;
         let far = world.is_far();
         if plan.sole_kind() {
@@ -214,7 +224,7 @@ where
                 if far && next < q.paths.len() {
                     world.prefetch(q.hits.triangle::<W>(&Rows::range(next, MAX_LANES.min(q.paths.len() - next))));
                 }
-                let out = shade_group::<M, S, W>(q, &rows, world, plan, spots);
+                let out = shade_group::<M, S, W, FOCUS>(q, &rows, world, plan, spots);
                 let bits = out.alive.bits() & rows.live();
                 q.paths.put(kept, bits, out.path);
                 if let Some(scales) = &mut q.scales {
@@ -223,7 +233,7 @@ where
                 if let Some(normals) = &mut q.normals {
                     normals.put(kept, bits, Normal { normal: out.normal });
                 }
-                if let Some(firsts) = &mut q.firsts {
+                if let Some(firsts) = q.firsts.as_mut().filter(|_| FOCUS) {
                     firsts.put(kept, bits, out.first);
                 }
                 kept += bits.count_ones() as usize;
@@ -238,14 +248,14 @@ where
             if let Some(next) = chunks.peek().filter(|_| far) {
                 world.prefetch(q.hits.triangle::<W>(&Rows::listed(next)));
             }
-            let out = shade_group::<M, S, W>(q, &rows, world, plan, spots);
+            let out = shade_group::<M, S, W, FOCUS>(q, &rows, world, plan, spots);
             q.paths.scatter(&rows, out.path);
             if M::TRANSMITS
                 && let Some(scales) = &mut q.scales
             {
                 scales.scatter(&rows, Scale { scale: out.scale });
             }
-            if let Some(firsts) = &mut q.firsts {
+            if let Some(firsts) = q.firsts.as_mut().filter(|_| FOCUS) {
                 firsts.scatter(&rows, out.first);
             }
             if !M::DELTA
@@ -261,7 +271,7 @@ where
 
 /// Shades a group of rows, and appends its shadow rays and the paths that look for focused light.
 #[inline(always)]
-fn shade_group<M: Lobe, S: Sampler, W: Wide>(
+fn shade_group<M: Lobe, S: Sampler, W: Wide, const FOCUS: bool>(
     q: &mut Queues,
     rows: &Rows,
     world: &World,
@@ -271,17 +281,15 @@ fn shade_group<M: Lobe, S: Sampler, W: Wide>(
 where
     Materials: Table<M>,
 {
-    let scale = match &q.scales {
-        Some(scales) => scales.scale(rows),
-        None => W::splat(1.0),
-    };
-    let first = q.firsts.as_ref().map_or(First::none(), |firsts| firsts.gather(rows));
+    let scale = q.scales.as_ref().map_or(W::splat(1.0), |scales| scales.scale(rows));
+    let first = q.firsts.as_ref().filter(|_| FOCUS).map_or(First::none(), |firsts| firsts.gather(rows));
     let (path, hit) = (q.paths.gather(rows), q.hits.gather(rows));
-    let out = shade_rows::<M, S, W>(world, plan, spots, path, scale, first, &hit);
+    let out = shade_rows::<M, S, W, FOCUS>(world, plan, spots, path, scale, first, &hit);
     if plan.connect && !M::DELTA {
         q.shadows.append(out.connected.bits() & rows.live(), out.shadow);
     }
-    if !M::DELTA
+    if FOCUS
+        && !M::DELTA
         && let Some(aimed) = &mut q.aimed
     {
         aimed.begin(out.aims.chosen.bits() & rows.live(), Path { rng: out.aims.rng, ..path }, scale, hit);

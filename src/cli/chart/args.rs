@@ -1,6 +1,6 @@
 //! The options of `wavetrace chart`.
 
-use crate::cli::choices::{Method, Sampler, word};
+use crate::cli::choices::{Effort, Method, Sampler, word};
 use crate::cli::values::{seconds, size};
 use clap::{Args, value_parser};
 use std::path::PathBuf;
@@ -46,6 +46,16 @@ pub struct ChartArgs {
         help_heading = "What is measured"
     )]
     pub samplers: Vec<Sampler>,
+    /// Which tiles get how many samples, separated by commas
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_enum,
+        value_delimiter = ',',
+        default_value = "even",
+        help_heading = "What is measured"
+    )]
+    pub efforts: Vec<Effort>,
     /// Renders of each kind: with seeds 1 to N
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=MAX_SEEDS as i64), default_value_t = 10,
         allow_negative_numbers = true, help_heading = "What is measured")]
@@ -82,16 +92,18 @@ impl ChartArgs {
         budgets.dedup();
         budgets
     }
-    /// Each method with each sampler, once.
+    /// Each method with each sampler and each way to share out samples, once.
     pub fn series(&self) -> Vec<Series> {
         let mut series: Vec<Series> = Vec::new();
-        for &method in &self.methods {
-            for &sampler in &self.samplers {
-                let label = format!("{} {}", word(method), word(sampler));
-                if series.iter().all(|known| known.label != label) {
-                    let settings = Settings { method: method.into(), sampler: sampler.into(), ..self.settings() };
-                    series.push(Series { label, settings });
-                }
+        let each = self.methods.iter().flat_map(|m| self.samplers.iter().map(move |s| (*m, *s)));
+        for (method, sampler, effort) in each.flat_map(|(m, s)| self.efforts.iter().map(move |e| (m, s, *e))) {
+            let mut label = format!("{} {}", word(method), word(sampler));
+            if effort != Effort::default() {
+                label = format!("{label} {}", word(effort));
+            }
+            if series.iter().all(|known| known.label != label) {
+                let (method, sampler, effort) = (method.into(), sampler.into(), effort.into());
+                series.push(Series { label, settings: Settings { method, sampler, effort, ..self.settings() } });
             }
         }
         series
@@ -123,6 +135,10 @@ mod tests {
         let all = ["path xoshiro", "path sobol", "nee xoshiro", "nee sobol", "mis xoshiro", "mis sobol"];
         assert_eq!(labels(&[]), all);
         assert_eq!(labels(&["--methods", "mis,path,mis", "--samplers", "sobol"]), ["mis sobol", "path sobol"]);
+        assert_eq!(
+            labels(&["--methods", "mis", "--samplers", "sobol", "--efforts", "even,tiles"]),
+            ["mis sobol", "mis sobol tiles"]
+        );
         let series = parsed(&["--max-depth", "3", "--threads", "2"]).unwrap().series();
         assert!(series.iter().all(|s| s.settings.threads == 2 && s.settings.max_depth == Some(3)));
         assert_eq!(series[2].settings.method, wavetrace::wave::Method::Nee);
