@@ -1,6 +1,7 @@
 //! Lights: luminous triangles as two-sided emitters, chosen by their importance at the point that they light, and sampled
 //! by solid angle where they are near, by area elsewhere.
 
+mod cover;
 mod emission;
 mod emitter;
 mod few;
@@ -10,11 +11,12 @@ mod spots;
 mod targets;
 mod tree;
 
+pub use cover::cover;
 pub use emission::Emitted;
 pub use emitter::{Emitter, LightTriangle, Shape};
 pub use importance::Receiver;
 pub use spots::{Arrival, Spots};
-pub use targets::{Ball, Targets};
+pub use targets::{Ball, MOST as TARGETS, Targets};
 
 use crate::lanes::{Lanes, LanesU32, MAX_LANES, Mask, Vec3, select3};
 use crate::sampling::warp;

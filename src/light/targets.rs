@@ -3,7 +3,7 @@
 use crate::lanes::{Frame, Lanes, Vec3, safe_sqrt, select3, sin_cos_turns};
 
 /// Balls at most; more objects than that are held by one.
-const MOST: usize = 8;
+pub const MOST: usize = 16;
 /// Balls are this much larger than what they hold, so that their silhouette is not that of a surface.
 const ROOM: f64 = 1.001;
 

@@ -4,7 +4,7 @@ use super::{MaterialInput, Mesh, Object, Size, World, WorldBuilder};
 use crate::camera::View;
 use crate::error::{Error, Result};
 use crate::ids::LobeId;
-use crate::light::{Ball, LightTriangle, Lights, Targets};
+use crate::light::{LightTriangle, Lights, TARGETS, Targets, cover};
 use crate::linear::{DMat3, DVec3, Vec3};
 use crate::material::{Diffuse, Kind, Luminous, Materials, Matt, Specular, Table, Transparent};
 use crate::material::{DiffuseRow, MattRow, SpecularRow, TransparentRow};
@@ -116,6 +116,8 @@ pub(super) fn freeze(b: WorldBuilder) -> Result<World> {
     let smooth = b.objects.iter().any(|o| !b.meshes[o.mesh].triangle_normals.is_empty());
     let (mut corners, mut lobes) = (Vec::with_capacity(faces), Vec::with_capacity(faces));
     let mut normals = smooth.then(|| Vec::with_capacity(faces));
+    let is_delta = |o: &Object| Kind::SCATTERING.get(lobes_of[o.material].kind()).is_some_and(|kind| kind.is_delta());
+    let balls_each = TARGETS / b.objects.iter().filter(|o| is_delta(o)).count().max(1);
     let (mut light_triangles, mut balls, mut dropped) = (Vec::new(), Vec::new(), 0);
     for (o, place) in b.objects.iter().zip(&places) {
         let (mesh, lobe) = (&b.meshes[o.mesh], lobes_of[o.material]);
@@ -147,8 +149,8 @@ pub(super) fn freeze(b: WorldBuilder) -> Result<World> {
             corners.push(p.map(|p| p.to_array()));
             lobes.push(lobe);
         }
-        if Kind::SCATTERING.get(lobes_of[o.material].kind()).is_some_and(|kind| kind.is_delta()) {
-            balls.extend(Ball::about(corners[first..].iter().flatten().copied()));
+        if is_delta(o) {
+            balls.extend(cover(&corners[first..], balls_each.max(1)));
         }
     }
     Ok(World {
