@@ -23,9 +23,9 @@ pub struct Sides<L: Lanes> {
 /// An emitter as it is seen from a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Solid<L: Lanes> {
-    /// Directions to the corners of both halves. The second is empty in a triangle.
-    halves: [[Vec3<L>; 3]; 2],
-    /// Their solid angles in sr.
+    /// Directions to the corner, to the ends of both edges, and to the fourth corner.
+    corners: [Vec3<L>; 4],
+    /// Solid angles in sr of both halves, without the fourth corner and without the first; a triangle has no second half.
     angles: [L; 2],
 }
 
@@ -49,10 +49,9 @@ impl<L: Lanes> Sides<L> {
     pub fn seen(&self, from: Vec3<L>) -> (Solid<L>, L::Mask) {
         let [e, f] = self.edges;
         let to = self.corner - from;
-        let unit = |v: Vec3<L>| v * (L::splat(1.0) / v.length2().max(L::splat(f32::MIN_POSITIVE)).sqrt());
         let [a, b, c, d] = [unit(to), unit(to + e), unit(to + f), unit(to + e + f)];
         let second = L::select(self.half, L::splat(0.0), solid_angle([d, b, c]));
-        let solid = Solid { halves: [[a, b, c], [d, b, c]], angles: [solid_angle([a, b, c]), second] };
+        let solid = Solid { corners: [a, b, c, d], angles: [solid_angle([a, b, c]), second] };
         (solid, solid.angle().gt(L::splat(LEAST)))
     }
 }
@@ -72,13 +71,12 @@ impl<L: Lanes> Solid<L> {
         let at = u * self.angle();
         let other = first.le(at) & second.gt(zero);
         let part = L::select(other, at - first, at.min(first));
-        let corner = |k: usize| select3(other, self.halves[1][k], self.halves[0][k]);
-        let [a, b, c] = [corner(0), corner(1), corner(2)];
+        let [a, b, c, fourth] = self.corners;
+        let a = select3(other, fourth, a);
 
         // `c` moves to a place cos(x) a + sin(x) across on the arc to `a`, so that the triangle has the part's solid angle p. With
         // t = tan(x / 2), `solid_angle` says tan(p / 2) = t D / (1 + a.b + t E), where D = a x b . across and E = b . across.
-        let across = c - a * c.dot(a);
-        let across = across * (one / across.length2().max(L::splat(f32::MIN_POSITIVE)).sqrt());
+        let across = unit(c - a * c.dot(a));
         let (d, e) = (a.cross(b).dot(across).abs(), b.dot(across));
         let (sin, cos) = sin_cos_turns(part * L::splat(0.5 / std::f32::consts::TAU));
         let below = (cos * d - sin * e).max(L::splat(1e-20));
@@ -88,10 +86,15 @@ impl<L: Lanes> Solid<L> {
 
         // Then a point between there and `b`.
         let cos = one - v * (one - end.dot(b));
-        let across = end - b * end.dot(b);
-        let scale = one / across.length2().max(L::splat(f32::MIN_POSITIVE)).sqrt();
-        b * cos + across * (safe_sqrt((-cos).mul_add(cos, one)) * scale)
+        let across = unit(end - b * end.dot(b));
+        b * cos + across * safe_sqrt((-cos).mul_add(cos, one))
     }
+}
+
+/// The vector at length 1; of no length where it has none.
+#[inline(always)]
+fn unit<L: Lanes>(v: Vec3<L>) -> Vec3<L> {
+    v * (L::splat(1.0) / v.length2().max(L::splat(f32::MIN_POSITIVE)).sqrt())
 }
 
 /// Solid angle of the triangle of three unit directions, in sr (Van Oosterom and Strackee 1983, equation 8).
