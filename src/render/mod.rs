@@ -91,6 +91,8 @@ pub struct Rendered {
     pub error: Option<f64>,
     /// Whether it was stopped before all was done that was asked for.
     pub partial: bool,
+    /// Of the camera rays, those that only told where samples should go.
+    trial: u64,
 }
 
 impl Rendered {
@@ -106,13 +108,13 @@ impl Rendered {
             wave_bytes: 0,
             error: None,
             partial: false,
+            trial: 0,
         }
     }
-    /// Samples per pixel that the image is made of, on average.
+    /// Samples per pixel that were traced for the image, on average.
     pub fn mean_spp(&self) -> f64 {
-        let pixels = self.film.pixels();
-        let lost = self.bad.iter().filter(|bad| bad.sample != u32::MAX).count() as u64;
-        (pixels.iter().map(|pixel| pixel.count).sum::<u64>() + lost) as f64 / pixels.len() as f64
+        let samples = self.counts.camera - self.trial;
+        samples as f64 / (f64::from(self.film.width()) * f64::from(self.film.height()))
     }
     fn add_stages(&mut self, stages: Vec<StageRow>) {
         if self.stages.is_empty() {
@@ -200,6 +202,7 @@ impl Renderer {
                 None if settings.time < Duration::MAX => rounds.until_time(film),
                 None => rounds.all(film),
             }?;
+            rendered.trial = trial.counts.camera;
             for before in [survey, trial] {
                 rendered.counts.add(&before.counts);
                 rendered.add_stages(before.stages);
