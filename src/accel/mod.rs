@@ -185,6 +185,10 @@ impl Bvh {
     pub fn bytes(&self) -> usize {
         size_of_val(self.arena.blocks())
     }
+    /// Entries that a traversal's stack holds at most, at most 512: seven for each node on the longest way down.
+    pub fn stack_bound(&self) -> usize {
+        self.stack_bound
+    }
     /// Number of inner nodes and of leaves.
     pub fn counts(&self) -> (usize, usize) {
         (self.nodes, self.leaves)

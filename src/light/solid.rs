@@ -23,8 +23,11 @@ pub struct Sides<L: Lanes> {
 /// An emitter as it is seen from a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Solid<L: Lanes> {
-    /// Directions to the corner, to the ends of both edges, and to the fourth corner.
-    corners: [Vec3<L>; 4],
+    /// Directions to the corner and to the fourth corner.
+    apexes: [Vec3<L>; 2],
+    /// The arc that both halves share, between the ends of the edges: the direction to the first, and that at a quarter turn from
+    /// it along the arc.
+    arc: [Vec3<L>; 2],
     /// Solid angles in sr of both halves, without the fourth corner and without the first; a triangle has no second half.
     angles: [L; 2],
 }
@@ -51,7 +54,9 @@ impl<L: Lanes> Sides<L> {
         let to = self.corner - from;
         let [a, b, c, d] = [unit(to), unit(to + e), unit(to + f), unit(to + e + f)];
         let second = L::select(self.half, L::splat(0.0), solid_angle([d, b, c]));
-        let solid = Solid { corners: [a, b, c, d], angles: [solid_angle([a, b, c]), second] };
+        // From the edges themselves: both ends are nearly opposite where the emitter is very near.
+        let across = unit(unit(cross(to + e, f - e)).cross(b));
+        let solid = Solid { apexes: [a, d], arc: [b, across], angles: [solid_angle([a, b, c]), second] };
         (solid, solid.angle().gt(L::splat(LEAST)))
     }
 }
@@ -71,24 +76,43 @@ impl<L: Lanes> Solid<L> {
         let at = u * self.angle();
         let other = first.le(at) & second.gt(zero);
         let part = L::select(other, at - first, at.min(first));
-        let [a, b, c, fourth] = self.corners;
-        let a = select3(other, fourth, a);
+        let apex = select3(other, self.apexes[1], self.apexes[0]);
 
-        // `c` moves to a place cos(x) a + sin(x) across on the arc to `a`, so that the triangle has the part's solid angle p. With
-        // t = tan(x / 2), `solid_angle` says tan(p / 2) = t D / (1 + a.b + t E), where D = a x b . across and E = b . across.
-        let across = unit(c - a * c.dot(a));
-        let (d, e) = (a.cross(b).dot(across).abs(), b.dot(across));
+        // The arc ends at cos(x) start + sin(x) across, so that the triangle over it has the part's solid angle p. With
+        // t = tan(x / 2), `solid_angle` says tan(p / 2) = t D / (1 + start.apex + t E), where D = start x apex . across and
+        // E = apex . across.
+        let [start, across] = self.arc;
+        let (d, e) = (cross(start, apex).dot(across).abs(), apex.dot(across));
         let (sin, cos) = sin_cos_turns(part * L::splat(0.5 / std::f32::consts::TAU));
         let below = (cos * d - sin * e).max(L::splat(1e-20));
-        let t = (sin * (one + a.dot(b)) / below).min(L::splat(1e9));
+        let t = (sin * (one + start.dot(apex)) / below).min(L::splat(1e9));
         let scale = one / t.mul_add(t, one);
-        let end = a * ((one - t * t) * scale) + across * (two * t * scale);
+        let end = start * ((one - t * t) * scale) + across * (two * t * scale);
 
-        // Then a point between there and `b`.
-        let cos = one - v * (one - end.dot(b));
-        let across = unit(end - b * end.dot(b));
-        b * cos + across * safe_sqrt((-cos).mul_add(cos, one))
+        // Then a point between there and the apex.
+        let cos = one - v * (one - end.dot(apex));
+        let across = unit(end - apex * end.dot(apex));
+        apex * cos + across * safe_sqrt((-cos).mul_add(cos, one))
     }
+}
+
+/// The cross product; its differences keep their digits where lanes have a fused multiply-add (Kahan, after Jeannerod, Louvet and
+/// Muller 2013).
+#[inline(always)]
+fn cross<L: Lanes>(a: Vec3<L>, b: Vec3<L>) -> Vec3<L> {
+    Vec3::new(
+        difference([a.y, b.z], [a.z, b.y]),
+        difference([a.z, b.x], [a.x, b.z]),
+        difference([a.x, b.y], [a.y, b.x]),
+    )
+}
+
+/// The difference of two products.
+#[inline(always)]
+fn difference<L: Lanes>([a, b]: [L; 2], [c, d]: [L; 2]) -> L {
+    let product = c * d;
+    let error = (-c).mul_add(d, product);
+    a.mul_add(b, -product) + error
 }
 
 /// The vector at length 1; of no length where it has none.

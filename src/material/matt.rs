@@ -15,7 +15,13 @@ use std::f32::consts::FRAC_1_PI;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Matt;
 
-/// One material with mattness strictly between 0 and 1.
+impl Matt {
+    /// Mattness below which a lobe is a mirror. Half its directions are less than 90 degrees times this off the mirror's,
+    /// 2.3e-8: f32 cannot tell them apart, and what a density says at a rounded direction is not that of the lobe.
+    pub const NARROWEST: f32 = 1.0 / (1 << 26) as f32;
+}
+
+/// One material with mattness strictly between that of a mirror, [`Matt::NARROWEST`], and 1.
 #[derive(Clone, Copy, Debug)]
 pub struct MattRow {
     /// Share of light reflected, per channel, in [0, 1].

@@ -72,7 +72,7 @@ impl Reference {
                 return;
             };
             if path.depth >= plan.max_depth {
-                counts.cut(path.throughput);
+                counts.cut(path.throughput * (1.0 / scale));
                 return;
             }
             let mut out: Option<Shaded<f32>> = None;

@@ -60,7 +60,8 @@ pub struct Counts {
     pub light: u64,
     /// Paths that were cut at the largest number of bounces.
     pub cut: u64,
-    /// Their throughput, averaged over the channels, summed: the share of energy that may be missing.
+    /// Their throughput without the scale of refraction, averaged over the channels, summed: the share of energy that may be
+    /// missing.
     pub cut_throughput: f64,
 }
 
@@ -69,10 +70,10 @@ impl Counts {
     pub fn rays(&self) -> u64 {
         self.camera + self.bounce + self.shadow + self.light
     }
-    /// Notes a path that was cut.
-    pub fn cut(&mut self, throughput: Vec3<f32>) {
+    /// Notes a path that was cut, with the share of energy that it has left.
+    pub fn cut(&mut self, energy: Vec3<f32>) {
         self.cut += 1;
-        self.cut_throughput += throughput.lane(0).iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0;
+        self.cut_throughput += energy.lane(0).iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0;
     }
     /// Adds another's numbers.
     pub fn add(&mut self, other: &Self) {

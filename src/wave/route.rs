@@ -46,7 +46,9 @@ impl Kernel for Route<'_> {
             let alive = hit & W::from_u24(q.paths.depth::<W>(&rows)).lt(deepest).bits();
             let mut cut = hit & !alive;
             while cut != 0 {
-                counts.cut(q.paths.throughput::<f32>(&Rows::range(first + cut.trailing_zeros() as usize, 1)));
+                let row = Rows::range(first + cut.trailing_zeros() as usize, 1);
+                let scale = q.scales.as_ref().map_or(1.0, |scales| scales.scale(&row));
+                counts.cut(q.paths.throughput::<f32>(&row) * (1.0 / scale));
                 cut &= cut - 1;
             }
             if !plan.sole_kind() {

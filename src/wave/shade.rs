@@ -134,7 +134,8 @@ where
             zero
         };
         let light = world.lights.sample(&Receiver { point: origin, normal: surface.ng }, pick, u);
-        let way = light.point - surface.point;
+        // From where the light was sampled, as what a path meets by chance is weighted.
+        let way = light.point - origin;
         let distance2 = way.length2();
         let wi = way * (one / distance2.sqrt());
         let cos_light = light.normal.dot(wi);

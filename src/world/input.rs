@@ -36,7 +36,7 @@ pub enum MaterialInput {
 pub struct Mesh {
     /// Vertex positions; all finite.
     pub positions: Vec<DVec3>,
-    /// Three indices into `positions` per triangle; counter-clockwise seen from the front.
+    /// Three indices into `positions` per triangle; counter-clockwise seen from the front. Their order has no meaning.
     pub triangles: Vec<[u32; 3]>,
     /// Vertex normals, any length; empty where the mesh has none.
     pub normals: Vec<DVec3>,

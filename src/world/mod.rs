@@ -3,6 +3,7 @@
 mod check;
 mod freeze;
 mod input;
+mod order;
 
 pub use input::{MaterialInput, Mesh, Object, Size};
 

@@ -3,6 +3,7 @@
 
 pub mod meshes;
 pub mod random;
+pub mod rays;
 pub mod stats;
 pub mod worlds;
 

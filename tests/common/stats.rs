@@ -130,6 +130,10 @@ impl Family {
     pub fn add(&mut self, p: f64, name: impl Into<String>) {
         self.results.push((if p.is_nan() { 0.0 } else { p }, name.into()));
     }
+    /// How many tests there are.
+    pub fn count(&self) -> usize {
+        self.results.len()
+    }
     /// Level of each test, given how many there are.
     pub fn level(&self) -> f64 {
         sidak(self.alpha, self.results.len())

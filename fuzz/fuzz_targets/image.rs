@@ -1,0 +1,15 @@
+//! Any bytes as an image file that `wavetrace compare` is given twice.
+#![no_main]
+
+#[path = "../../tests/common/untrusted.rs"]
+mod untrusted;
+
+use libfuzzer_sys::fuzz_target;
+use std::sync::LazyLock;
+use untrusted::Folder;
+
+static FOLDER: LazyLock<Folder> = LazyLock::new(Folder::new);
+
+fuzz_target!(|bytes: &[u8]| {
+    FOLDER.image(bytes);
+});
