@@ -14,7 +14,7 @@ pub const ROW: Row = Row {
     fails: "Where the image is divided by its largest value, or exposed by its mean, one very bright pixel decides \
         how all others look. A lamp seen directly is enough, or a single sample of small density.",
     remedy: "The tone map is `clamp` unless told otherwise: exposure is a number that the user gives, each value is \
-        mapped by itself, and what is above 1 becomes 1. `--tone-map max` divides by the largest value, as its name \
+        mapped by itself, and what is above 1 becomes 1. `--tonemap max` divides by the largest value, as its name \
         says, and does have this fault. EXR files hold radiance as it is; the shared exponent of HDR files is one \
         per pixel.",
     source: "exposure by the mean: Reinhard, Stark, Shirley and Ferwerda 2002, equation 1, by the logarithm",

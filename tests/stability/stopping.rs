@@ -16,7 +16,7 @@ use wavetrace::wave::Method;
 pub const ROW: Row = Row {
     part: Part::Numbers,
     name: "stopping",
-    title: "Images that end when they look good are too dark",
+    title: "Images that end when they look good are wrong",
     fails: "Textbooks end a pixel when the variance of its own samples says that it is good. A pixel that has not \
         met a rare bright sample looks good, and ends dark; one that has goes on, and dilutes it. More samples at \
         least make this rarer, and show another side of it: means end while they are large, because errors are \
