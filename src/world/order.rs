@@ -2,7 +2,8 @@
 //!
 //! Where two triangles are hit at the same distance, to the bit, the first one counts; lights are numbered in their order, and
 //! the tree's builder breaks ties by it. In an order of their own, a file whose faces are shuffled gives the same image to
-//! the bit. It follows a curve through space, so that neighbours lie together in memory.
+//! the bit. It follows a curve through space, so that neighbours lie together in memory. What it costs is in
+//! `docs/decisions/order-of-triangles.md`.
 
 use super::Mesh;
 use crate::linear::Vec3;

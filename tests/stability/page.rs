@@ -45,6 +45,9 @@ pub fn check(rows: &[Row]) -> Result<(), String> {
 
 /// Writes the page and its pictures into a folder of documents. All tests must have run and held.
 pub fn write(rows: &[Row], findings: &BTreeMap<&str, Finding>, folder: &Path) -> Result<(), String> {
+    let found = |row| findings.get(&row).ok_or_else(|| format!("no page: `{row}` has not held"));
+    // Before anything is written.
+    rows.iter().try_for_each(|row| found(row.name).map(drop))?;
     let failed = |path: &Path, e: std::io::Error| format!("{}: {e}", path.display());
     let mut page = format!("# Where path tracers fail\n\n{INTRODUCTION}\n");
     let form = if full() { "long" } else { "short" };
@@ -60,8 +63,7 @@ pub fn write(rows: &[Row], findings: &BTreeMap<&str, Finding>, folder: &Path) ->
         }
         let _ = writeln!(body, "## {part:?}\n");
         for row in of_part {
-            let found = findings.get(row.name).ok_or_else(|| format!("no page: `{}` has not held", row.name))?;
-            let Finding { textbook, ours, how, picture } = found;
+            let Finding { textbook, ours, how, picture } = found(row.name)?;
             let _ = writeln!(table, "| {part:?} | [{}](#{}) | {textbook} | {ours} |", row.title, anchor(row.title));
             let _ = writeln!(body, "{}{how}\n\n- Textbook: {textbook}\n- Here: {ours}\n", prose(row));
             if let Some(picture) = picture {
