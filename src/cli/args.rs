@@ -138,8 +138,9 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = "Light transport")]
     pub max_depth: Option<u32>,
 
-    /// Light paths per camera path, which find light that mirrors and glass focus; only with `--method mis`, and only
-    /// where the scene has both such surfaces and others. 0: none
+    /// Light paths per camera path, which find light that mirrors and glass focus, and along with them the effort to find
+    /// it through mirrors and glass; only with `--method mis`, and only where the scene has both such surfaces and
+    /// others. 0: none
     #[arg(long, value_name = "N", default_value_t = DEFAULT_LIGHT_PATHS, allow_negative_numbers = true,
         value_parser = light_paths, help_heading = "Light transport")]
     pub light_paths: f32,

@@ -3,7 +3,7 @@
 //! Path Tracing using the Photon Map"). Any such map gives right images; a good one gives them sooner.
 
 use super::targets::{Ball, Cone};
-use crate::lanes::{Lanes, MAX_LANES, Vec3, select3};
+use crate::lanes::{Lanes, LanesU32, MAX_LANES, Vec3, select3};
 use std::collections::BTreeMap;
 
 /// Balls of a cell at most.
@@ -12,10 +12,6 @@ const MOST: usize = 4;
 const SIDE: usize = 24;
 /// Boxes along that side by which places on mirrors and glass are told apart.
 const PLACES: f32 = 16.0;
-/// Share of the paths that look for the light of a cell of mean energy, while they have lost none of their own. It grows
-/// with the root of the energy, as does the deviation of what is left to chance.
-const MEAN_CHANCE: f32 = 0.5;
-
 /// Focused light that arrived.
 #[derive(Clone, Copy, Debug)]
 pub struct Arrival {
@@ -43,8 +39,10 @@ pub struct Spots {
 }
 
 impl Spots {
-    /// The map of what arrived.
-    pub fn new(arrivals: &[Arrival]) -> Self {
+    /// The map of what arrived. `mean_chance`: the share of the paths that look for the light of a cell of mean energy, while
+    /// they have lost none of their own. It grows with the root of the energy, as does the deviation of what is left to
+    /// chance.
+    pub fn new(arrivals: &[Arrival], mean_chance: f32) -> Self {
         let (mut low, mut high) = ([0.0; 3], [0.0; 3]);
         if let Some(first) = arrivals.first() {
             (low, high) = (first.at, first.at);
@@ -75,20 +73,23 @@ impl Spots {
         for (cell, mut from) in lit {
             from.sort_by(|a, b| b.0.total_cmp(&a.0));
             from.truncate(MOST);
-            map.add(cell, &from, mean);
+            map.add(cell, &from, mean_chance / mean.sqrt());
         }
         map
     }
 
     /// Arrivals by cell and place, sorted: those of one group lie together.
     fn groups(&self, arrivals: &[Arrival], places_per_unit: f32) -> Vec<((usize, [i32; 3]), usize)> {
-        let key = |a: &Arrival| (self.cell(a.at), a.from.map(|c| (c * places_per_unit).floor() as i32));
+        let key = |a: &Arrival| {
+            (self.cells(Vec3::<f32>::splat(a.at)) as usize, a.from.map(|c| (c * places_per_unit).floor() as i32))
+        };
         let mut keys: Vec<_> = arrivals.iter().enumerate().map(|(index, a)| (key(a), index)).collect();
         keys.sort_unstable();
         keys
     }
 
-    fn add(&mut self, cell: usize, from: &[(f32, Ball)], mean: f32) {
+    /// A cell, lit from some balls; `chance` of looking there is for an energy of 1.
+    fn add(&mut self, cell: usize, from: &[(f32, Ball)], chance: f32) {
         let Ok(row) = u16::try_from(self.balls.len()) else { return };
         let energy: f32 = from.iter().map(|f| f.0).sum();
         let (mut shares, mut balls) = ([0.0; MOST], [[0.0; 4]; MOST]);
@@ -98,24 +99,28 @@ impl Spots {
             balls[k] = [*x, *y, *z, *radius];
         }
         self.cells[cell] = row;
-        self.chances.push(MEAN_CHANCE * (energy / mean).sqrt());
+        self.chances.push(chance * energy.sqrt());
         self.shares.push(shares);
         self.balls.push(balls);
     }
 
-    /// The cell of a point; points outside the box belong to a cell at its border.
+    /// The cells of points; those outside the box belong to a cell at its border.
     #[inline(always)]
-    fn cell(&self, point: [f32; 3]) -> usize {
-        // A cast of what is below 0, or no number, gives 0.
-        let along = |k: usize| (((point[k] - self.low[k]) * self.cells_per_unit) as usize).min(SIDE - 1);
-        (along(2) * SIDE + along(1)) * SIDE + along(0)
+    fn cells<L: Lanes>(&self, point: Vec3<L>) -> L::Uint {
+        let (zero, last) = (L::splat(0.0), L::splat((SIDE - 1) as f32));
+        let at = (point - Vec3::splat(self.low)) * L::splat(self.cells_per_unit);
+        // What is no number is not above 0.
+        let along = |c: L| (L::select(c.gt(zero), c, zero).min(L::splat(SIDE as f32)) - L::splat(0.5)).round();
+        let along = |c: L| along(c).max(zero).min(last);
+        let index = (along(at.z) * L::splat(SIDE as f32) + along(at.y)) * L::splat(SIDE as f32) + along(at.x);
+        whole(index)
     }
     #[inline(always)]
     fn rows<L: Lanes>(&self, point: Vec3<L>) -> [usize; MAX_LANES] {
-        let (x, y, z) = (point.x.array(), point.y.array(), point.z.array());
+        let cells = self.cells(point).array();
         let mut rows = [0; MAX_LANES];
-        for (i, row) in rows.iter_mut().enumerate().take(L::N) {
-            *row = usize::from(self.cells[self.cell([x.as_ref()[i], y.as_ref()[i], z.as_ref()[i]])]);
+        for (row, &cell) in rows.iter_mut().zip(cells.as_ref()) {
+            *row = usize::from(self.cells[cell as usize]);
         }
         rows
     }
@@ -164,10 +169,17 @@ impl Spots {
     }
 }
 
+/// Numbers below 2^23 without a fraction, as integers.
+#[inline(always)]
+fn whole<L: Lanes>(value: L) -> L::Uint {
+    let shift = 8_388_608.0f32;
+    (value + L::splat(shift)).to_bits().xor(L::Uint::splat(shift.to_bits()))
+}
+
 impl Default for Spots {
     /// No light arrives anywhere.
     fn default() -> Self {
-        Self::new(&[])
+        Self::new(&[], 0.0)
     }
 }
 
@@ -177,6 +189,8 @@ mod tests {
     use crate::lanes::{Kernel, Wide, dispatch};
     use crate::sampling::{Decision, Sampler, Xoshiro};
     use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+    const MEAN_CHANCE: f32 = 0.5;
 
     fn numbers<const N: usize>(seed: u64, i: u32) -> [f32; N] {
         let mut s = Xoshiro::start::<f32>(seed, i, 0);
@@ -196,7 +210,7 @@ mod tests {
     }
 
     fn spots(places: u32, size: f32) -> Spots {
-        Spots::new(&(0..20_000).map(|i| arrival(places, size, i)).collect::<Vec<_>>())
+        Spots::new(&(0..20_000).map(|i| arrival(places, size, i)).collect::<Vec<_>>(), MEAN_CHANCE)
     }
 
     /// Directions against the stated density: chi-squared over 8 x 16 cells of the sphere, whose integrals are sums over
@@ -268,7 +282,7 @@ mod tests {
     #[test]
     fn where_nothing_arrives_nothing_is_looked_for() {
         let none = Spots::default();
-        let one = Spots::new(&[Arrival { at: [0.0; 3], from: [1.0; 3], energy: 1.0 }]);
+        let one = Spots::new(&[Arrival { at: [0.0; 3], from: [1.0; 3], energy: 1.0 }], MEAN_CHANCE);
         for i in 0..100 {
             let [x, y, z, u, v, w] = numbers(8, i).map(|c: f32| 2.0 * c - 1.0);
             let (point, direction) = (Vec3::splat([x, y, z]), Vec3::splat([u, v, w]).normalize());

@@ -230,7 +230,7 @@ impl Renderer {
             false => schedule::survey::<NoProbe>(&cx, settings),
             true => schedule::survey::<StageTimes>(&cx, settings),
         }?;
-        Ok((Spots::new(&arrivals), all))
+        Ok((Spots::new(&arrivals, settings.looks()), all))
     }
     /// Adds a round of samples to a film.
     fn round(

@@ -176,16 +176,19 @@ fn pool(settings: &Settings) -> Result<rayon::ThreadPool> {
     })
 }
 
-/// Light paths that show where focused light arrives: one for two pixels, within these bounds. However many samples are asked
-/// for, so that a longer render begins like a shorter one.
-const SURVEY: Range<u64> = 2048..32_768;
-/// Light paths of a job of these.
+/// Light paths that show where focused light arrives, over [`Settings::looks`]: one for a pixel, but no more than this.
+/// However many samples are asked for, so that a longer render begins like a shorter one.
+const SURVEY: u64 = 65_536;
+/// More of them for a pixel show little more.
+const MOST_PER_PIXEL: f32 = 2.0;
+/// Light paths of a job of these, one job at least.
 const SURVEY_JOB: u64 = 2048;
 
 /// Where focused light arrives, in an order that the number of threads does not change, seen by probe `P`.
 pub(super) fn survey<P: Probe>(cx: &Context<'_>, settings: &Settings) -> Result<(Vec<Arrival>, Rendered)> {
     let pixels = u64::from(cx.world.width()) * u64::from(cx.world.height());
-    let count = (pixels / 2).clamp(SURVEY.start, SURVEY.end);
+    let count = (pixels.min(SURVEY) as f64 * f64::from(settings.looks().min(MOST_PER_PIXEL))) as u64;
+    let count = count.max(SURVEY_JOB);
     let next = AtomicUsize::new(0);
     let work = pool(settings)?.broadcast(|_| {
         let (mut probe, mut counts, mut found) = (P::default(), Counts::default(), Vec::new());

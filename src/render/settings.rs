@@ -61,7 +61,8 @@ pub struct Settings {
     pub effort: Effort,
     /// Paths in flight per worker, at least 1.
     pub wave_size: usize,
-    /// Light paths per camera path, where mirrors or glass can focus light; 0 for none, at most [`MAX_LIGHT_PATHS`].
+    /// Light paths per camera path, where mirrors or glass can focus light; 0 for none, at most [`MAX_LIGHT_PATHS`]. Paths
+    /// that look for such light where light paths cannot show it grow more frequent along with them.
     pub light_paths: f32,
     /// Which integrator runs.
     pub integrator: Integrator,
@@ -101,6 +102,12 @@ pub const MAX_LIGHT_PATHS: f32 = 1000.0;
 pub const MAX_THREADS: usize = 1024;
 
 impl Settings {
+    /// Share of the camera paths that look for focused light where as much of it arrives as on average, to
+    /// [`Spots::new`](crate::light::Spots::new): what is seen in mirrors and through glass gets effort along with what light
+    /// paths can show (docs/decisions/light-paths.md).
+    pub(super) fn looks(&self) -> f32 {
+        5.0 * self.light_paths
+    }
     pub(super) fn check(&self) -> Result<()> {
         let wrong = |setting, found: usize, expected: String| {
             Err(Error::Setting { setting, found: found.to_string(), expected })
