@@ -134,6 +134,23 @@ fn png(
 }
 
 #[test]
+fn images_of_one_colour_are_read_up_to_a_size() {
+    use png::{BitDepth, ColorType};
+    let folder = Folder::new();
+    let grey =
+        |height: u32| png([4096, height], ColorType::Grayscale, BitDepth::One, &vec![0; 512 * height as usize], |_| {});
+    assert_eq!(folder.pixels(&grey(2048)).len(), 1 << 23);
+    folder.fails(&grey(2049), "found an image of 4096x2049 pixels in ");
+    // What has more bytes may have more pixels.
+    let mut long = grey(2049);
+    long.resize((1 << 20) + 4096 / 8, 0);
+    assert_eq!(folder.read(&long).unwrap().image.height, 2049);
+    let head = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2049 +X 4096\n";
+    let row = [9, 9, 9, 128, 1, 1, 1, 255, 1, 1, 1, 15];
+    folder.fails(&[&head[..], &row.repeat(2049)].concat(), "found an image of 4096x2049 pixels in ");
+}
+
+#[test]
 fn png_of_every_kind() {
     use png::{BitDepth, ColorType};
     let folder = Folder::new();
@@ -418,6 +435,40 @@ mod openexr {
                 }
             }
         }
+    }
+
+    /// The crate subtracts what it finds in a block of halves, which panics in builds that check arithmetic.
+    #[test]
+    fn b44_of_any_bytes() {
+        let folder = Folder::new();
+        let half = |k: usize| FlatSamples::F16(noise(8, 8).pixels.iter().map(|p| f16::from_f32(p[k])).collect());
+        let encoding =
+            Encoding { compression: Compression::B44, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
+        let list = vec![("R", half(0)), ("G", half(1)), ("B", half(2))];
+        let mut bytes = written(&exr::image::Image::from_layer(layer((8, 8), list, encoding)));
+        // Twelve squares, each of 14 bytes, end the file.
+        let squares = bytes.len() - 12 * 14;
+        let mut random = Random(44);
+        let (mut read, mut refused) = (0, 0);
+        for _ in 0..500 {
+            for square in bytes[squares..].chunks_mut(14) {
+                square.fill_with(|| (256.0 * random.unit()) as u8);
+                // High values, mostly small differences.
+                square[0] |= 0x80;
+                square[2] &= 0x17;
+            }
+            match folder.read(&bytes) {
+                Ok(file) => {
+                    read += 1;
+                    assert_eq!(bits(&file.image.pixels), bits(&by_the_crate(&bytes, 8)));
+                }
+                Err(error) => {
+                    refused += 1;
+                    assert!(error.to_string().contains("a B44 block with a sample below 0"), "{error}");
+                }
+            }
+        }
+        assert!(read > 50 && refused > 50, "{read} read, {refused} refused");
     }
 
     #[test]

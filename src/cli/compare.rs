@@ -61,12 +61,12 @@ struct Map {
 }
 
 fn compare<'a>(args: &'a CompareArgs, console: &Console) -> LibraryResult<(Comparison<'a>, Map)> {
-    let (a, b) = (read(&args.image, console)?, read(&args.reference, console)?);
+    let (mut a, mut b) = (read(&args.image, console)?, read(&args.reference, console)?);
     check_size(&args.image, &a, &args.reference, &b)?;
     note_limits([(&args.image, &a), (&args.reference, &b)], console);
     let [deviations_a, deviations_b] = deviations(args, [&a, &b], console)?;
+    let variances = [deviations_a.or(a.variance.take()), deviations_b.or(b.variance.take())];
     let (image, reference) = (&a.image.pixels, &b.image.pixels);
-    let variances = [deviations_a.or(a.variance.clone()), deviations_b.or(b.variance.clone())];
     let figures = errors(image, reference)?;
     let scale = if args.wants_flip_alone() { Scale::Flip } else { Scale::RelativeError };
     let mut map = Map { scale, colours: Vec::new() };

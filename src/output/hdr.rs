@@ -71,7 +71,7 @@ pub(super) fn decode(bytes: &[u8]) -> Decoded {
             variable => variables.push(variable),
         }
     }
-    let (width, height) = resolution(&String::from_utf8_lossy(line()?))?;
+    let (width, height) = resolution(&String::from_utf8_lossy(line()?), bytes.len())?;
     let mut metadata = Metadata::from_lines(variables);
     let (scale, remarks) = heed(&metadata)?;
     metadata.entries.retain(|(key, _)| !RESERVED.contains(&key.as_str()));
@@ -89,13 +89,13 @@ pub(super) fn decode(bytes: &[u8]) -> Decoded {
     Ok(ImageFile { format: Format::Hdr, image, variance: None, metadata, remarks })
 }
 
-/// `-Y height +X width`.
-fn resolution(line: &str) -> Result<(u32, u32), DecodeError> {
+/// `-Y height +X width`, of a file of `length` bytes.
+fn resolution(line: &str, length: usize) -> Result<(u32, u32), DecodeError> {
     let words: Vec<&str> = line.split_ascii_whitespace().collect();
     let side = |word: &str| word.parse::<u64>().ok();
     match words[..] {
         ["-Y", height, "+X", width] if side(height).is_some() && side(width).is_some() => {
-            check_size(side(width).unwrap_or(0), side(height).unwrap_or(0))
+            check_size(side(width).unwrap_or(0), side(height).unwrap_or(0), length)
         }
         _ => Err(DecodeError::new(format!("the resolution \"{line}\""), "-Y height +X width")),
     }

@@ -14,6 +14,9 @@ use super::{Format, Image, Metadata, Tone, format::EncodeError};
 /// More than this many bytes do not come out of one byte of DEFLATE's.
 const MOST_PER_BYTE: usize = 1032;
 
+/// Most bytes that compressed texts become, all together. What goes beyond is left out.
+const MOST_TEXT: usize = 1 << 22;
+
 pub(super) fn encode(
     image: &Image,
     metadata: &Metadata,
@@ -66,7 +69,7 @@ pub(super) fn decode(bytes: &[u8]) -> Decoded {
     let mut decoder = Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(Transformations::EXPAND);
     let header = decoder.read_header_info()?;
-    let (width, height) = check_size(header.width.into(), header.height.into())?;
+    let (width, height) = check_size(header.width.into(), header.height.into(), bytes.len())?;
     let least = header.raw_bytes() / MOST_PER_BYTE;
     if bytes.len() < least {
         let expected = format!("at least {least} for an image of {width}x{height} pixels");
@@ -80,16 +83,17 @@ pub(super) fn decode(bytes: &[u8]) -> Decoded {
     let (color, depth) = reader.output_color_type();
     let mut remarks = Vec::new();
     let table = table(depth, &Transfer::of(reader.info(), &mut remarks)?);
-    let samples: Vec<f32> = match depth {
-        BitDepth::Sixteen => {
-            let (pairs, _) = codes.as_chunks();
-            pairs.iter().map(|&pair| table[usize::from(u16::from_be_bytes(pair))]).collect()
-        }
-        _ => codes.iter().map(|&code| table[usize::from(code)]).collect(),
+    let light = |pixel: &[u8], i: usize| match depth {
+        BitDepth::Sixteen => table[usize::from(u16::from_be_bytes([pixel[2 * i], pixel[2 * i + 1]]))],
+        _ => table[usize::from(pixel[i])],
     };
-    let grey = matches!(color, ColorType::Grayscale | ColorType::GrayscaleAlpha);
-    let pixels = samples.chunks_exact(color.samples());
-    let pixels = pixels.map(|pixel| if grey { [pixel[0]; 3] } else { [pixel[0], pixel[1], pixel[2]] }).collect();
+    let channels = match color {
+        ColorType::Grayscale | ColorType::GrayscaleAlpha => [0; 3],
+        _ => [0, 1, 2],
+    };
+    // Expanded, samples are bytes at least.
+    let pixels = codes.chunks_exact(color.samples() * if depth == BitDepth::Sixteen { 2 } else { 1 });
+    let pixels = pixels.map(|pixel| channels.map(|i| light(pixel, i))).collect();
     let image = Image { width, height, pixels };
     Ok(ImageFile { format: Format::Png, image, variance: None, metadata: texts(reader.info()), remarks })
 }
@@ -139,10 +143,30 @@ fn table(depth: BitDepth, transfer: &Transfer) -> Vec<f32> {
     (0..=top).map(|code| light(code) as f32).collect()
 }
 
+/// Takes the text from what is `left`. One that is damaged or does not fit takes half: many would cost time.
+fn unpacked(text: Result<String, DecodingError>, left: &mut usize) -> Option<String> {
+    *left = text.as_ref().map_or(*left / 2, |text| left.saturating_sub(text.len()));
+    text.ok()
+}
+
 fn texts(info: &Info<'_>) -> Metadata {
+    let mut left = MOST_TEXT;
     let latin = info.uncompressed_latin1_text.iter().map(|chunk| (chunk.keyword.clone(), Some(chunk.text.clone())));
-    let packed = info.compressed_latin1_text.iter().map(|chunk| (chunk.keyword.clone(), chunk.get_text().ok()));
-    let utf8 = info.utf8_text.iter().map(|chunk| (chunk.keyword.clone(), chunk.get_text().ok()));
+    let packed = info.compressed_latin1_text.iter().map(|chunk| {
+        let mut text = chunk.clone();
+        (
+            text.keyword.clone(),
+            unpacked(text.decompress_text_with_limit(left).and_then(|()| text.get_text()), &mut left),
+        )
+    });
+    let packed: Vec<_> = packed.collect();
+    let utf8 = info.utf8_text.iter().map(|chunk| {
+        let mut text = chunk.clone();
+        (
+            text.keyword.clone(),
+            unpacked(text.decompress_text_with_limit(left).and_then(|()| text.get_text()), &mut left),
+        )
+    });
     Metadata::from_entries(latin.chain(packed).chain(utf8).filter_map(|(key, text)| Some((key, text?))))
 }
 

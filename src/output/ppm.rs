@@ -26,7 +26,7 @@ pub(super) fn decode(bytes: &[u8]) -> Decoded {
     let plain = bytes.get(1) == Some(&b'3');
     let mut words = Words { bytes, at: 2, comments: Vec::new() };
     let [width, height]: [u32; 2] = [words.number("the width")?, words.number("the height")?];
-    let (width, height) = check_size(width.into(), height.into())?;
+    let (width, height) = check_size(width.into(), height.into(), bytes.len())?;
     let top: u32 = words.number("the largest value")?;
     let top = u16::try_from(top)
         .ok()

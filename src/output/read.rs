@@ -1,7 +1,7 @@
 //! Reading: what an image file holds, whoever wrote it. The format is told by the first bytes, not by the name.
 //!
 //! Nothing is believed that the file cannot hold: memory is taken in proportion to its length, and sides and pixels are
-//! limited as those of a render are.
+//! limited as those of a render are. Compressed files of some kilobytes can hold gigabytes of one colour: they are refused.
 
 use std::{
     fs::{self, File},
@@ -15,6 +15,12 @@ use crate::error::{Error, Result};
 
 /// Bytes by which formats are told apart.
 const HEAD: usize = 16;
+/// Most pixels for each byte of a file. Renders have less than one, but where nearly all of an image is empty.
+const PIXELS_PER_BYTE: u64 = 8;
+/// Shorter files may have as many pixels as one of this length: 2^23, more than 3840x2160.
+const SMALL_FILE: u64 = 1 << 20;
+/// Most bytes of what is no regular file and may have no end.
+const MAX_STREAM: u64 = 1 << 28;
 const FORMATS: &str = "a PNG, PPM (P3 or P6), OpenEXR or Radiance HDR image";
 
 /// What an image file holds.
@@ -37,12 +43,14 @@ pub struct ImageFile {
 ///
 /// # Errors
 /// [`Error::Io`] where the system refuses; [`Error::Decode`] for a folder, an empty or truncated file, an unknown format or
-/// a feature of a format that is not read, and sides or pixel counts above those of [`Camera::MAX_SIDE`] and
-/// [`Camera::MAX_PIXELS`].
+/// a feature of a format that is not read, sides or pixel counts above those of [`Camera::MAX_SIDE`] and
+/// [`Camera::MAX_PIXELS`], more than 8 pixels for each byte of the file, or 2^23 of a file below 1 MiB, and more than 256 MiB
+/// from a pipe or a device.
 pub fn read(path: &Path) -> Result<ImageFile> {
     let failed = |source| Error::Io { file: path.to_owned(), action: "read", source };
     let refused = |DecodeError { found, expected }| Error::Decode { file: path.to_owned(), found, expected };
-    if fs::metadata(path).map_err(failed)?.is_dir() {
+    let kind = fs::metadata(path).map_err(failed)?;
+    if kind.is_dir() {
         return Err(refused(DecodeError::new("a folder", FORMATS)));
     }
     let mut file = File::open(path).map_err(failed)?;
@@ -50,7 +58,11 @@ pub fn read(path: &Path) -> Result<ImageFile> {
     let mut bytes = Vec::new();
     file.by_ref().take(HEAD as u64).read_to_end(&mut bytes).map_err(failed)?;
     let decode = decoder(&bytes).map_err(refused)?;
-    file.read_to_end(&mut bytes).map_err(failed)?;
+    let most = if kind.is_file() { u64::MAX } else { MAX_STREAM };
+    file.take(most).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > most {
+        return Err(refused(DecodeError::new("a stream without an end", format!("at most {MAX_STREAM} bytes"))));
+    }
     decode(&bytes).map_err(refused)
 }
 
@@ -101,16 +113,35 @@ impl DecodeError {
     }
 }
 
-/// Sides of an image that may be read.
-pub(super) fn check_size(width: u64, height: u64) -> std::result::Result<(u32, u32), DecodeError> {
+/// Sides of an image that may be read from a file of `length` bytes.
+pub(super) fn check_size(width: u64, height: u64, length: usize) -> std::result::Result<(u32, u32), DecodeError> {
     let (side, pixels) = (Camera::MAX_SIDE, Camera::MAX_PIXELS);
-    match (u32::try_from(width), u32::try_from(height)) {
-        (Ok(w @ 1..), Ok(h @ 1..)) if w <= side && h <= side && width * height <= pixels => Ok((w, h)),
-        _ => Err(DecodeError::new(
-            format!("an image of {width}x{height} pixels"),
-            format!("1 to {side} each way and at most {pixels} in all"),
-        )),
+    let (w, h) = match (u32::try_from(width), u32::try_from(height)) {
+        (Ok(w @ 1..), Ok(h @ 1..)) if w <= side && h <= side && width * height <= pixels => (w, h),
+        _ => {
+            return Err(DecodeError::new(
+                format!("an image of {width}x{height} pixels"),
+                format!("1 to {side} each way and at most {pixels} in all"),
+            ));
+        }
+    };
+    let most = most_pixels(length);
+    if width * height > most {
+        return Err(DecodeError::new(
+            format!("an image of {width}x{height} pixels in {length} bytes"),
+            format!(
+                "at most {most}: {PIXELS_PER_BYTE} for each byte, or {} of a small file (large images of little else than one \
+                 colour can be read as PPM or flat HDR)",
+                PIXELS_PER_BYTE * SMALL_FILE
+            ),
+        ));
     }
+    Ok((w, h))
+}
+
+/// Most pixels of a file of `length` bytes.
+pub(super) fn most_pixels(length: usize) -> u64 {
+    PIXELS_PER_BYTE * SMALL_FILE.max(length as u64)
 }
 
 #[cfg(test)]
@@ -131,9 +162,19 @@ mod tests {
 
     #[test]
     fn sizes_are_limited() {
-        assert_eq!(check_size(65536, 4096).unwrap(), (65536, 4096));
+        let long = 1 << 30;
+        assert_eq!(check_size(65536, 4096, long).unwrap(), (65536, 4096));
         for (w, h) in [(0, 1), (1, 0), (65537, 1), (16384, 16385), (u64::MAX, u64::MAX), (1 << 32, 1)] {
-            assert!(check_size(w, h).unwrap_err().found.contains(&format!("{w}x{h}")));
+            assert!(check_size(w, h, long).unwrap_err().found.contains(&format!("{w}x{h}")));
         }
+    }
+    #[test]
+    fn pixels_are_limited_by_the_length_of_the_file() {
+        assert!(check_size(4096, 2048, 100).is_ok());
+        let error = check_size(4096, 2049, 1 << 20).unwrap_err();
+        assert_eq!(error.found, "an image of 4096x2049 pixels in 1048576 bytes");
+        assert!(error.expected.starts_with("at most 8388608: 8 for each byte"), "{}", error.expected);
+        assert!(check_size(4096, 2049, (1 << 20) + 512).is_ok());
+        assert!(check_size(16384, 16384, 1 << 25).is_ok());
     }
 }

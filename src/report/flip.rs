@@ -141,8 +141,9 @@ impl Filters {
 
     fn look(&self, pixels: &[[f32; 3]], width: usize, exposure_ev: f64) -> Seen {
         let scale = exposure_ev.exp2();
-        let opponents: Vec<[f32; 3]> = pixels.iter().map(|&rgb| opponents(rgb.map(|c| shown(c, scale)))).collect();
-        let plane = |k: usize| Plane { width, values: opponents.iter().map(|channels| channels[k]).collect() };
+        // Each channel by itself: large images fill the memory.
+        let opponents = pixels.iter().map(|&rgb| opponents(rgb.map(|c| shown(c, scale))));
+        let plane = |k: usize| Plane { width, values: opponents.clone().map(|channels| channels[k]).collect() };
         let luminance = plane(0);
         let (edges, points) = self.features(&luminance);
         let blurred = [self.blur(0, &luminance), self.blur(1, &plane(1)), self.blur(2, &plane(2))];

@@ -15,7 +15,7 @@ use exr::{
 
 use super::super::read::{DecodeError, Decoded, ImageFile, check_size};
 use super::super::{Format, Image, Metadata};
-use super::limits::{check_blocks, check_dwa};
+use super::limits::{check_block, check_blocks, check_channels};
 use super::{COLOURS, REC_709, VARIANCES};
 
 /// How far chromaticities may be from those of Rec. 709 to be called them.
@@ -33,17 +33,18 @@ pub fn decode(bytes: &[u8]) -> Decoded {
     };
     let header = &meta.headers[number];
     let Vec2(width, height) = header.layer_size;
-    let (width, height) = check_size(width as u64, height as u64)?;
+    let (width, height) = check_size(width as u64, height as u64, bytes.len())?;
     if header.channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
         return Err(DecodeError::new("subsampled channels", "one sample per pixel in every channel"));
     }
     meta.headers.iter().try_for_each(|header| check_blocks(header, bytes.len()))?;
+    check_channels(header, bytes.len())?;
 
     let mut chunks = Vec::new();
     for chunk in reader.all_chunks(false)? {
         let chunk = chunk?;
         if chunk.layer_index == number && is_largest_level(&chunk.compressed_block) {
-            check_dwa(header, &chunk.compressed_block)?;
+            check_block(header, &chunk.compressed_block)?;
             let place = header.get_block_data_indices(&chunk.compressed_block)?.tile_index;
             chunks.push((place.y(), place.x(), chunk));
         }
