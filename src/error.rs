@@ -40,7 +40,7 @@ impl fmt::Display for Problem {
 /// Everything that can go wrong between a scene file and an image file.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// Mistakes in a scene or a mesh, all that were found.
+    /// Mistakes in a scene or a mesh: the first 100 that were found, of each mesh the first 20, and the numbers of the others.
     #[error("{}", join(.0))]
     Scene(Vec<Problem>),
     /// A world built in code breaks a rule of the format.

@@ -550,6 +550,27 @@ fn another_size_keeps_pixels_square_unless_both_angles_are_given() {
 }
 
 #[test]
+fn the_first_hundred_mistakes_are_told_and_the_number_of_the_others() {
+    let list = |piece: &str, count: usize| vec![piece; count].join(", ");
+    let scene = |materials: &str, objects: &str| {
+        format!(
+            r#"{{"camera": {{"focalPoint": {{"x": 0, "y": 0, "z": 0}}, "direction": {{"x": 0, "y": 1, "z": 0}}}},
+"materials": [{materials}], "objects": [{objects}]}}"#
+        )
+    };
+    assert_eq!(errors(scene(&list("7", 100), "")).len(), 100);
+    let messages = errors(scene(&list("7", 90), &list("8", 30)));
+    assert_eq!(messages.len(), 101);
+    assert!(messages[99].contains(" objects[9]: found 8, expected an object"), "{}", messages[99]);
+    assert_eq!(messages[100], "scene.json: found 20 more mistakes, expected none");
+    let folder = folder();
+    let odd = list(r#"{"type": "specular", "color": {"r": 1, "g": 1, "b": 1}, "?": 0}"#, 102);
+    let loaded = load_bytes(folder.path(), scene(&odd, "").as_bytes()).unwrap();
+    assert_eq!((loaded.warnings.len(), loaded.builder.materials().len()), (101, 102));
+    assert_eq!(texts(&loaded.warnings, folder.path())[100], "scene.json: found 2 more warnings, expected none");
+}
+
+#[test]
 fn every_prefix_of_a_scene_is_a_mistake() {
     let folder = folder();
     for end in 0..BASE.trim_end().len() {

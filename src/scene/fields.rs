@@ -5,6 +5,9 @@ use crate::linear::DVec3;
 use super::json::{self, Entry, Node, Value};
 use super::problems::Problems;
 
+/// Most unknown keys among which a missing one is looked for.
+const MAX_STRANGERS: usize = 100;
+
 /// The entries of a JSON object of which the keys are known.
 pub(super) struct Fields<'a> {
     entries: &'a [Entry],
@@ -21,16 +24,17 @@ impl<'a> Fields<'a> {
             return None;
         };
         for entry in entries.iter().filter(|entry| !known.contains(&entry.key.as_str())) {
-            let hint = nearest(&entry.key, known).map(|key| format!("did you mean `{key}`?"));
-            let expected = format!("one of {}", list(known, "or"));
-            problems.warning(entry.at, &json::join(path, &entry.key), "an unknown key", expected, hint);
+            problems.warning(entry.at, json::Path::new(path).key(&entry.key), "an unknown key", || {
+                let hint = nearest(&entry.key, known).map(|key| format!("did you mean `{key}`?"));
+                (format!("one of {}", list(known, "or")), hint)
+            });
         }
         Some(Self { entries, at: node.at, path: path.to_owned(), known })
     }
 
     /// Path of `key`'s value in the document.
     pub fn path(&self, key: &str) -> String {
-        json::join(&self.path, key)
+        json::Path::new(&self.path).key(key).to_string()
     }
 
     /// The entry of `key`, where the file has it.
@@ -48,12 +52,13 @@ impl<'a> Fields<'a> {
         let node = self.get(key);
         if node.is_none() {
             let strangers = self.entries.iter().filter(|entry| !self.known.contains(&entry.key.as_str()));
-            let misspelt = strangers.into_iter().find(|entry| nearest(&entry.key, self.known) == Some(key));
+            let looked_at = if problems.is_full() { 0 } else { MAX_STRANGERS };
+            let misspelt = strangers.take(looked_at).find(|entry| nearest(&entry.key, self.known) == Some(key));
             let hint = misspelt.map(|entry| {
                 let (line, column) = problems.place(entry.at);
                 format!("did you mean it by `{}` at line {line}, column {column}?", json::shorten(&entry.key))
             });
-            problems.error_with_hint(self.at, &self.path(key), "no such key", expected, hint);
+            problems.error_with_hint(self.at, self.path(key), "no such key", expected, hint);
         }
         node
     }
@@ -160,7 +165,8 @@ pub(super) fn choice(
     let word = text(node, path, &expected, problems)?;
     let found = choices.iter().find(|&&choice| choice == word).copied();
     if found.is_none() {
-        let hint = nearest(word, choices).map(|choice| format!("did you mean \"{choice}\"?"));
+        let near = if problems.is_full() { None } else { nearest(word, choices) };
+        let hint = near.map(|choice| format!("did you mean \"{choice}\"?"));
         problems.error_with_hint(node.at, path, node.describe(), expected, hint);
     }
     found

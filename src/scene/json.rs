@@ -70,7 +70,7 @@ pub(super) fn shorten(text: &str) -> String {
 /// twice is a mistake, too, but leaves the document readable: the first counts.
 pub(super) fn parse(text: &str, problems: &mut Problems) -> Option<Node> {
     match serde_json::from_str::<&RawValue>(text) {
-        Ok(raw) => Tree { text, problems }.node(raw, "", 0),
+        Ok(raw) => Tree { text, problems }.node(raw, Path::new(""), 0),
         Err(error) => {
             grammar(text, &error, problems);
             None
@@ -110,7 +110,7 @@ struct Tree<'a, 'p, 'f> {
 }
 
 impl<'a> Tree<'a, '_, '_> {
-    fn node(&mut self, raw: &'a RawValue, path: &str, depth: usize) -> Option<Node> {
+    fn node(&mut self, raw: &'a RawValue, path: Path, depth: usize) -> Option<Node> {
         let at = self.offset(raw);
         let text = raw.get();
         if depth > MAX_DEPTH {
@@ -121,7 +121,7 @@ impl<'a> Tree<'a, '_, '_> {
             Some(b'{') => Value::Map(self.map(raw, path, depth)?),
             Some(b'[') => {
                 let items = self.read::<Vec<&'a RawValue>>(raw, path)?.into_iter().enumerate();
-                let nodes = items.map(|(i, item)| self.node(item, &format!("{path}[{i}]"), depth + 1));
+                let nodes = items.map(|(i, item)| self.node(item, path.item(i), depth + 1));
                 Value::List(nodes.collect::<Option<_>>()?)
             }
             Some(b'"') => Value::Text(self.read(raw, path)?),
@@ -136,18 +136,18 @@ impl<'a> Tree<'a, '_, '_> {
         Some(Node { at, value })
     }
 
-    fn map(&mut self, raw: &'a RawValue, path: &str, depth: usize) -> Option<Vec<Entry>> {
+    fn map(&mut self, raw: &'a RawValue, path: Path, depth: usize) -> Option<Vec<Entry>> {
         let mut entries = Vec::new();
         let mut places = HashMap::new();
         for (raw_key, raw_value) in self.read::<Pairs>(raw, path)?.0 {
             let at = self.offset(raw_key);
             let key: String = self.read(raw_key, path)?;
-            let path = join(path, &key);
-            let node = self.node(raw_value, &path, depth + 1)?;
+            let path = path.key(&key);
+            let node = self.node(raw_value, path, depth + 1)?;
             if let Some(&first) = places.get(&key) {
                 let (line, column) = self.problems.place(first);
                 let found = format!("the key a second time, after line {line}, column {column}");
-                self.problems.error(at, &path, found, "each key once");
+                self.problems.error(at, path, found, "each key once");
                 continue;
             }
             places.insert(key.clone(), at);
@@ -157,7 +157,7 @@ impl<'a> Tree<'a, '_, '_> {
     }
 
     /// Reads one level. The grammar is known to be right; what can fail is a string with half a surrogate pair.
-    fn read<T: Deserialize<'a>>(&mut self, raw: &'a RawValue, path: &str) -> Option<T> {
+    fn read<T: Deserialize<'a>>(&mut self, raw: &'a RawValue, path: Path) -> Option<T> {
         serde_json::from_str(raw.get())
             .map_err(|error| {
                 self.problems.error(self.offset(raw), path, message(&error), "valid JSON");
@@ -170,10 +170,54 @@ impl<'a> Tree<'a, '_, '_> {
     }
 }
 
-/// `path.key`, or `key` alone in the document itself.
-pub(super) fn join(path: &str, key: &str) -> String {
-    let key = shorten(key);
-    if path.is_empty() { key } else { format!("{path}.{key}") }
+/// Where a value stands in the document, such as `materials[2].color`: spelt out only in messages, of which there are few.
+#[derive(Clone, Copy)]
+pub(super) struct Path<'p> {
+    parent: Option<&'p Path<'p>>,
+    step: Step<'p>,
+}
+
+#[derive(Clone, Copy)]
+enum Step<'p> {
+    /// Spelt out already; empty for the document itself.
+    Spelt(&'p str),
+    Key(&'p str),
+    Item(usize),
+}
+
+impl<'p> Path<'p> {
+    /// What `path` says.
+    pub fn new(path: &'p str) -> Self {
+        Self { parent: None, step: Step::Spelt(path) }
+    }
+
+    /// The value of `key` in it.
+    pub fn key(&'p self, key: &'p str) -> Self {
+        Self { parent: Some(self), step: Step::Key(key) }
+    }
+
+    /// One of its items.
+    fn item(&'p self, i: usize) -> Self {
+        Self { parent: Some(self), step: Step::Item(i) }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.parent.is_none() && matches!(self.step, Step::Spelt(""))
+    }
+}
+
+impl fmt::Display for Path<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        if let Some(parent) = self.parent {
+            parent.fmt(f)?;
+        }
+        match self.step {
+            Step::Spelt(path) => f.write_str(path),
+            Step::Key(key) if self.parent.is_none_or(Path::is_empty) => f.write_str(&shorten(key)),
+            Step::Key(key) => write!(f, ".{}", shorten(key)),
+            Step::Item(i) => write!(f, "[{i}]"),
+        }
+    }
 }
 
 /// An object's keys and values in the order of the file, repeated keys included.
@@ -201,12 +245,12 @@ impl<'de: 'a, 'a> Deserialize<'de> for Pairs<'a> {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
+    use std::path::Path as FilePath;
 
     use super::*;
 
     fn errors(text: &str) -> Vec<String> {
-        let mut problems = Problems::new(Path::new("s"), text);
+        let mut problems = Problems::new(FilePath::new("s"), text);
         let _ = parse(text, &mut problems);
         problems.into_parts().0.iter().map(ToString::to_string).collect()
     }
@@ -214,7 +258,7 @@ mod tests {
     #[test]
     fn values_and_keys_know_their_offsets() {
         let text = " {\"a\": [1, {\"b\\n\": \"x\"}], \"c\": null}";
-        let mut problems = Problems::new(Path::new("s"), text);
+        let mut problems = Problems::new(FilePath::new("s"), text);
         let Some(Node { at: 1, value: Value::Map(entries) }) = parse(text, &mut problems) else { panic!() };
         assert_eq!((entries[0].key.as_str(), entries[0].at, entries[0].node.at), ("a", 2, 7));
         let Value::List(items) = &entries[0].node.value else { panic!() };

@@ -127,7 +127,7 @@ fn material_index(node: &Node, path: &str, materials: Option<usize>, problems: &
 fn mid_point(fields: &Fields, problems: &mut Problems) -> Option<DVec3> {
     if let (Some(one), Some(other)) = (fields.entry("midPoint"), fields.entry("midpoint")) {
         let later = if one.at > other.at { one } else { other };
-        problems.error(later.at, &fields.path(&later.key), "both `midPoint` and `midpoint`", "one of them");
+        problems.error(later.at, fields.path(&later.key), "both `midPoint` and `midpoint`", "one of them");
         return None;
     }
     for key in ["midPoint", "midpoint"] {
@@ -142,7 +142,7 @@ fn size(fields: &Fields, problems: &mut Problems) -> Option<Size> {
     match (fields.entry("height"), fields.entry("scale")) {
         (Some(height), Some(scale)) => {
             let later = if height.at > scale.at { height } else { scale };
-            problems.error(later.at, &fields.path(&later.key), "both `height` and `scale`", "one of them");
+            problems.error(later.at, fields.path(&later.key), "both `height` and `scale`", "one of them");
             None
         }
         (None, Some(_)) => fields.required_number("scale", &Range::POSITIVE, problems).map(Size::Scale),
@@ -164,7 +164,7 @@ fn check_placement(object: &Object, mesh: &Mesh, fields: &Fields, problems: &mut
             if extent.z <= FLAT * extent.max_element() {
                 let at = fields.get("height")?.at;
                 let found = "a mesh that is flat along z after its rotation, so that no height can be given to it";
-                problems.error(at, &fields.path("height"), found, "`scale` in place of `height`");
+                problems.error(at, fields.path("height"), found, "`scale` in place of `height`");
                 return None;
             }
             ("height", height / extent.z)
@@ -174,7 +174,7 @@ fn check_placement(object: &Object, mesh: &Mesh, fields: &Fields, problems: &mut
     if !fits_single(corner.max_element()) || corner.is_nan() {
         let at = fields.get(key)?.at;
         let found = format!("an object that reaches out to {:.1e}", corner.max_element());
-        problems.error(at, &fields.path(key), found, "coordinates between -3.4e38 and 3.4e38");
+        problems.error(at, fields.path(key), found, "coordinates between -3.4e38 and 3.4e38");
         return None;
     }
     Some(())
