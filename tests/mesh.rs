@@ -275,3 +275,17 @@ fn a_mesh_of_several_objects_is_read_once() {
     let messages = load_scene(&scene, &[("mesh.obj", b"f 1 2 3"), ("b.obj", obj.as_bytes())]).map(|_| ()).unwrap_err();
     assert_eq!(messages.len(), 1, "told once, not again for the second object: {messages:?}");
 }
+
+#[cfg(unix)]
+#[test]
+fn a_mesh_is_a_regular_file() {
+    let load = |path: &str| load_scene(&SCENE.replace("mesh.obj", path), &[]);
+    let refused = "which cannot be read: it is a device or a pipe, no regular file, expected an OBJ file at /dev/zero";
+    assert_eq!(
+        load("/dev/zero").unwrap_err(),
+        [format!("scene.json:4:24: objects[0].path: found \"/dev/zero\", {refused}")]
+    );
+    assert!(matches!(scene::load_mesh(Path::new("/dev/zero")), Err(Error::Io { action: "read", .. })));
+    let folder = load(".").unwrap_err();
+    assert!(folder[0].contains("found \".\", which cannot be read: Is a directory"), "{folder:?}");
+}

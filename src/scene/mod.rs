@@ -13,7 +13,9 @@ mod obj_lines;
 mod object;
 mod problems;
 
-use std::{fs, path::Path};
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::Path;
 
 pub use camera::{GivenAngles, MAX_PIXELS, MAX_SIDE};
 
@@ -23,6 +25,9 @@ use fields::{Fields, Range};
 use object::Meshes;
 use problems::Problems;
 
+/// Most bytes of a scene that comes through a pipe or from a device, which may have no end.
+const MAX_STREAM: u64 = 1 << 28;
+
 const KEYS: &[&str] = &["camera", "materials", "objects", "background", "comment", "$schema"];
 
 /// A scene that was read.
@@ -30,7 +35,7 @@ const KEYS: &[&str] = &["camera", "materials", "objects", "background", "comment
 pub struct Loaded {
     /// Camera, materials, meshes and objects of the scene.
     pub builder: WorldBuilder,
-    /// What is odd but no obstacle, such as a key that nobody knows.
+    /// What is odd but no obstacle, such as a key that nobody knows: the first 100, and the number of the others.
     pub warnings: Vec<Problem>,
     /// Which fields of view the scene states.
     pub given_angles: GivenAngles,
@@ -59,12 +64,14 @@ impl Loaded {
     }
 }
 
-/// Reads the scene at `path` and the meshes it names.
+/// Reads the scene at `path` and the meshes it names. The scene may come through a pipe, up to 256 MiB of it; meshes are
+/// regular files.
 ///
 /// # Errors
-/// [`Error::Io`] where the scene file cannot be read, [`Error::Scene`] with all mistakes of the scene and its meshes.
+/// [`Error::Io`] where the scene file cannot be read, [`Error::Scene`] with the mistakes of the scene and its meshes: the first
+/// 100 that were found, and the number of the others.
 pub fn load(path: &Path) -> Result<Loaded> {
-    let bytes = fs::read(path).map_err(|source| Error::Io { file: path.to_owned(), action: "read", source })?;
+    let bytes = bytes(path).map_err(|source| Error::Io { file: path.to_owned(), action: "read", source })?;
     let text = decode(path, &bytes)?;
     let mut problems = Problems::new(path, text);
     let scene = read(text, path.parent().unwrap_or(Path::new("")), &mut problems);
@@ -79,12 +86,26 @@ pub fn load(path: &Path) -> Result<Loaded> {
 /// first corner. Triangles without area are among them.
 ///
 /// # Errors
-/// [`Error::Io`] where the file cannot be read, [`Error::Scene`] with its mistakes, of which having no face is one.
+/// [`Error::Io`] where the file cannot be read or is no regular file, [`Error::Scene`] with its mistakes, of which having no face is one.
 pub fn load_mesh(path: &Path) -> Result<Mesh> {
     obj::load(path).map_err(|failure| match failure {
         obj::Failure::Unreadable(source) => Error::Io { file: path.to_owned(), action: "read", source },
         obj::Failure::Mistakes(problems) => Error::Scene(problems),
     })
+}
+
+/// What a scene file holds.
+fn bytes(path: &Path) -> io::Result<Vec<u8>> {
+    if fs::metadata(path)?.is_file() {
+        return fs::read(path);
+    }
+    let mut bytes = Vec::new();
+    File::open(path)?.take(MAX_STREAM + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MAX_STREAM {
+        let reason = format!("found more than {MAX_STREAM} bytes, expected at most as many of what is no regular file");
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, reason));
+    }
+    Ok(bytes)
 }
 
 /// The text of a scene file, which is UTF-8 without a byte order mark.
