@@ -1,5 +1,6 @@
-//! Inputs of less than 1 MiB take less than 1 GiB and end soon, whatever is in them: files that unpack to gigabytes, scenes of
-//! nothing but mistakes, devices without an end. The program runs as a user runs it, and its peak of memory is read while it runs.
+//! Reading and comparing files of less than 1 MiB takes less than 1 GiB and ends soon, whatever is in them: files that unpack
+//! to gigabytes, scenes of nothing but mistakes, devices without an end. The program runs as a user runs it, and its peak of memory
+//! is read while it runs.
 #![cfg(target_os = "linux")]
 
 use ::exr::prelude::{self as exr, WritableImage as _};
