@@ -107,13 +107,9 @@ impl Spots {
     /// The cells of points; those outside the box belong to a cell at its border.
     #[inline(always)]
     fn cells<L: Lanes>(&self, point: Vec3<L>) -> L::Uint {
-        let (zero, last) = (L::splat(0.0), L::splat((SIDE - 1) as f32));
         let at = (point - Vec3::splat(self.low)) * L::splat(self.cells_per_unit);
-        // What is no number is not above 0.
-        let along = |c: L| (L::select(c.gt(zero), c, zero).min(L::splat(SIDE as f32)) - L::splat(0.5)).round();
-        let along = |c: L| along(c).max(zero).min(last);
-        let index = (along(at.z) * L::splat(SIDE as f32) + along(at.y)) * L::splat(SIDE as f32) + along(at.x);
-        whole(index)
+        let side = L::splat(SIDE as f32);
+        whole((side_cell(at.z) * side + side_cell(at.y)) * side + side_cell(at.x))
     }
     #[inline(always)]
     fn rows<L: Lanes>(&self, point: Vec3<L>) -> [usize; MAX_LANES] {
@@ -167,6 +163,15 @@ impl Spots {
         let [x, y, z, radius] = L::columns4(|i| &self.balls[rows[i]][k]);
         Cone::about(Vec3::new(x, y, z), radius, point)
     }
+}
+
+/// The cell along one side, for a place in units of cells.
+#[inline(always)]
+fn side_cell<L: Lanes>(at: L) -> L {
+    let zero = L::splat(0.0);
+    // What is no number is not above 0.
+    let inside = L::select(at.gt(zero), at, zero).min(L::splat(SIDE as f32));
+    (inside - L::splat(0.5)).round().max(zero).min(L::splat((SIDE - 1) as f32))
 }
 
 /// Numbers below 2^23 without a fraction, as integers.
