@@ -7,7 +7,7 @@
 //! reading, building and starting cancel out, to about 2 % (7 % in rooms of 36 triangles).
 
 use std::process::{Command, ExitCode};
-use wavetrace::accel::{BuildOptions, Bvh, Quality};
+use wavetrace::accel::{BuildOptions, Bvh, MAX_LEAF, Quality};
 use wavetrace::bench::{self, HitRecord, Kernel, Options, SetKind, Tracer, mesh, room};
 use wavetrace::render::{Control, Integrator, Renderer, SamplerKind, Settings};
 use wavetrace::scene;
@@ -15,7 +15,7 @@ use wavetrace::scene;
 /// Triangles of the rooms; the largest that callgrind takes through in little time.
 const ROOMS: [usize; 3] = [36, 3_000, 37_488];
 const RES: u32 = 128;
-const ONE_THREAD: BuildOptions = BuildOptions { quality: Quality::Balanced, threads: 1 };
+const ONE_THREAD: BuildOptions = BuildOptions { quality: Quality::Balanced, threads: 1, leaf: MAX_LEAF };
 const SCENES: [&str; 2] = ["cornell", "demo3"];
 /// Pixels across and down of a scene.
 const SIDE: u32 = 96;

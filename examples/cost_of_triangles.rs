@@ -6,13 +6,14 @@
 
 use clap::Parser;
 use plotters::prelude::*;
+use std::cell::RefCell;
 use std::error::Error;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use wavetrace::accel::Bvh;
-use wavetrace::bench::{self, Kernel, Options, SetKind, Tracer, measure, mesh, room};
+use wavetrace::bench::{self, HitRecord, Kernel, Options, SetKind, Tracer, measure, mesh, room, trace};
 
 /// Draws what a ray costs against the number of triangles.
 #[derive(Parser)]
@@ -45,9 +46,11 @@ fn measured(triangles: u32) -> Result<Vec<Row>, Box<dyn Error>> {
     let mut rows = vec![(n, "build".to_owned(), n / clock.elapsed().as_secs_f64() / 1e6)];
     let tracer = Tracer { bvh: &bvh, kernel: Kernel::Auto, threads: 1 };
     let (sets, _) = bench::make(&corners, &tracer, &Options::default(), &SetKind::ALL)?;
-    for (timing, _) in measure(&tracer, &sets, REPEATS) {
-        rows.push((n, timing.kind.name().to_owned(), timing.median()));
-    }
+    let hits: Vec<_> = sets.iter().map(|set| RefCell::new(vec![HitRecord::MISS; set.rays.len()])).collect();
+    let cases = sets.iter().zip(&hits).map(|(set, hits)| trace(set.kind.name().to_owned(), tracer, set, hits));
+    rows.extend(
+        measure(cases.collect(), REPEATS, |_| true).into_iter().map(|figure| (n, figure.name.clone(), figure.median())),
+    );
     Ok(rows)
 }
 

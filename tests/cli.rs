@@ -209,7 +209,10 @@ fn mistakes_in_the_command_line_exit_with_2_and_render_nothing() {
         (&["--target-error", "0"], "above 0, such as 0.001"),
         (&["--target-error", "nan"], "above 0"),
         (&["3", "--target-error", "0.1"], "--spp: found 3, expected at least 4"),
-        (&["--trace", "t.json"], "unexpected argument '--trace'"),
+        (&["--stats", "t.json", "--trace", "t.json"], "a file of its own for --trace"),
+        (&["--leaf", "9"], "1..=8"),
+        (&["--job", "0"], "0"),
+        (&["--refill", "maybe"], "maybe"),
         (&["--no-such-option"], "unexpected argument"),
         (&["4", "5"], "unexpected argument '5'"),
     ];

@@ -7,7 +7,7 @@ use common::worlds::rooms;
 use common::{METHODS, SAMPLERS, settings};
 use wavetrace::film::Film;
 use wavetrace::render::{Control, Integrator, Renderer, SamplerKind, Settings};
-use wavetrace::wave::{Counts, Method};
+use wavetrace::wave::{Counts, Method, Tuning};
 
 /// No multiple of a tile either way.
 const SIZE: [u32; 2] = [37, 21];
@@ -81,7 +81,34 @@ fn measuring_changes_no_bit() {
     let (_, renderer) = rooms(SIZE).swap_remove(2);
     let plain = settings(Method::Mis, SamplerKind::Xoshiro, 9, 1);
     let timed = Settings { time_stages: true, ..plain.clone() };
-    assert_same(&render(&renderer, &plain).0, &render(&renderer, &timed).0, "timed stages");
+    let traced = Settings { timeline: true, ..plain.clone() };
+    let film = render(&renderer, &plain).0;
+    assert_same(&film, &render(&renderer, &timed).0, "timed stages");
+    assert_same(&film, &render(&renderer, &traced).0, "with a timeline");
+}
+
+/// Choices of speed change no bit, alone and together, in a room of one kind of surface and in one of all.
+#[test]
+fn tuning_changes_no_bit() {
+    let plain = Tuning::default();
+    let all = Tuning { refill: false, tiles: false, streams: false, sort_always: true, job: 1 };
+    let one_by_one = [
+        Tuning { refill: false, ..plain },
+        Tuning { tiles: false, ..plain },
+        Tuning { streams: false, ..plain },
+        Tuning { sort_always: true, ..plain },
+        Tuning { job: 1, ..plain },
+        Tuning { job: 1 << 20, ..plain },
+        all,
+    ];
+    for (name, renderer) in rooms(SIZE) {
+        let usual = settings(Method::Mis, SamplerKind::Sobol, 9, 1);
+        let film = render(&renderer, &usual).0;
+        for tuning in one_by_one {
+            let tuned = Settings { tuning, threads: 2, ..usual.clone() };
+            assert_same(&film, &render(&renderer, &tuned).0, &format!("{name}: {tuning:?}"));
+        }
+    }
 }
 
 /// Every seed has samples of its own: also those that differ in high bits alone.

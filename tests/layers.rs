@@ -43,7 +43,10 @@ const ONLY: &[(&str, &[&str])] = &[
     ("scene", &["error", "world", "camera", "linear"]),
     ("report", &["error", "film"]),
     ("chart", &["lanes", "error", "film", "render", "output", "report"]),
-    ("bench", &["lanes", "columns", "linear", "error", "sampling", "world", "accel", "scene", "output"]),
+    (
+        "bench",
+        &["lanes", "columns", "linear", "error", "probe", "sampling", "world", "accel", "render", "scene", "output"],
+    ),
 ];
 
 /// Libraries, and the only places that may name them.

@@ -394,3 +394,76 @@ fn the_page_of_a_sweep_loads_and_shows_what_was_measured() {
     }
     page.is_silent();
 }
+
+/// Runs the program in a folder, which it leaves pages in.
+fn run(folder: &TempDir, args: &str) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_wavetrace"));
+    let ran = command.current_dir(folder.path()).args(args.split_whitespace()).output().unwrap();
+    assert!(ran.status.success(), "{args}: {}", String::from_utf8_lossy(&ran.stderr));
+}
+
+impl Opened {
+    /// The tip that shows while the pointer is on the first element of a selector.
+    fn tip_on(&self, selector: &str) -> String {
+        let [x, y, w, h] = self.place(selector);
+        self.tab.move_mouse_to_point(Point { x: x + w / 2.0, y: y + h / 2.0 }).unwrap();
+        let tip = self.value("document.getElementById('tip').hidden ? '' : document.getElementById('tip').textContent");
+        tip.as_str().unwrap().to_owned()
+    }
+}
+
+/// The page of a profile has all its drawings, and each tells its figures.
+#[test]
+fn a_profile_shows_its_figures() {
+    let Some(browser) = browser() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let scene = repository("scenes/demo6.json");
+    run(&folder, &format!("profile {} --spp 2 --size 64x48 -o profile -q", scene.display()));
+    let page = Opened::new(&browser, &folder.path().join("profile/index.html"));
+    let names = page.value("[...document.querySelectorAll('section h2')].map((h) => h.textContent).join()");
+    assert_eq!(
+        names,
+        "Stages,Time by bounces,Lanes in use,Limits of the machine,Timeline,Memory,Plan,How to repeat this"
+    );
+    assert!(page.number("document.querySelectorAll('[aria-label=Stages] tbody tr').length") >= 10.0);
+    for (section, lines) in
+        [("Time by bounces", " rows, "), ("Lanes in use", " % of lanes hold a row"), ("Limits of the machine", " GB/s")]
+    {
+        let points = page.number(&format!("document.querySelectorAll('[aria-label=\"{section}\"] .point').length"));
+        let tip = page.tip_on(&format!("section[aria-label=\"{section}\"] .point"));
+        assert!(points >= 2.0 && tip.contains(lines), "{section}: {points} points, {tip:?}");
+    }
+    let spans = "[aria-label=\"What the workers did\"] .point";
+    assert!(page.number(&format!("document.querySelectorAll('{spans}').length")) >= 10.0);
+    assert!(page.tip_on(&format!("{spans} rect")).contains(" ms from "));
+    let memory = page.value("document.querySelector('[aria-label=Memory] table').textContent");
+    for part in ["scene: corners", "tree: nodes", "waves: path.throughput", "film: sums"] {
+        assert!(memory.as_str().unwrap().contains(part), "{part} in {memory}");
+    }
+    assert!(page.value("document.querySelector('pre').textContent").as_str().unwrap().contains("+ generate"));
+    page.portrait("profile", WIDE, "light");
+    page.portrait("profile-dark", WIDE, "dark");
+    page.portrait("profile-narrow", NARROW, "light");
+    page.is_silent();
+}
+
+/// The page of a sweep: a curve over one knob, a map of two.
+#[test]
+fn a_sweep_shows_its_figures() {
+    let Some(browser) = browser() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let scene = repository("scenes/cornell.json");
+    let sweep = format!("bench sweep --scene {} --size 16x16 --spp 1 --repeats 1 -q", scene.display());
+    run(&folder, &format!("{sweep} --vary wave=64..256 -o curve"));
+    run(&folder, &format!("{sweep} --vary wave=64,128 --vary bvh=fast,balanced,best -o map"));
+    for (name, points, tip) in [("curve", 3.0, "wave 64\n"), ("map", 6.0, "wave 64\nbvh fast\n")] {
+        let page = Opened::new(&browser, &folder.path().join(name).join("index.html"));
+        assert_eq!(page.number("document.querySelectorAll('.point').length"), points, "{name}");
+        let shown = page.tip_on(".point circle");
+        assert!(shown.starts_with(tip) && shown.contains(" Mrays/s, spread "), "{name}: {shown:?}");
+        page.portrait(&format!("sweep-{name}"), WIDE, "light");
+        page.portrait(&format!("sweep-{name}-dark"), WIDE, "dark");
+        page.portrait(&format!("sweep-{name}-narrow"), NARROW, "light");
+        page.is_silent();
+    }
+}

@@ -269,7 +269,8 @@ fn degenerate_meshes_are_built_and_traced() {
     let mut random = Random(31);
     for (name, corners) in degenerate(100_000) {
         for quality in [Quality::Fast, Quality::Balanced, Quality::Best] {
-            let bvh = Bvh::build_with(&corners, &BuildOptions { quality, threads: 2 }).unwrap();
+            let bvh =
+                Bvh::build_with(&corners, &BuildOptions { quality, threads: 2, ..BuildOptions::default() }).unwrap();
             let (mut single, bounds) = (Single::new(&bvh), bounds(&corners));
             for kind in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 11] {
                 let ray = ray(&mut random, &corners, &bounds, kind);
@@ -289,7 +290,8 @@ fn trees_are_small() {
         let mut corners = soup(&join(&balls));
         corners.extend(soup(&cuboid(v(-5.0, -5.0, -5.0), v(15.0, 5.0, 5.0))));
         for quality in [Quality::Fast, Quality::Balanced, Quality::Best] {
-            let bvh = Bvh::build_with(&corners, &BuildOptions { quality, threads: 2 }).unwrap();
+            let bvh =
+                Bvh::build_with(&corners, &BuildOptions { quality, threads: 2, ..BuildOptions::default() }).unwrap();
             let each = bvh.bytes() as f64 / corners.len() as f64;
             assert!(each <= 100.0, "{quality:?}, {} triangles: {each} bytes each", corners.len());
         }

@@ -6,7 +6,7 @@ use super::bounds::largest_extent;
 use super::build::BinaryNode;
 use super::layout::{Leaf, Node};
 use super::parallel::*;
-use super::{Bvh, DISTANCE_ERROR, LEAF};
+use super::{Bvh, DISTANCE_ERROR, LEAF, MAX_LEAF};
 use std::sync::atomic::{AtomicU8, AtomicU32, Ordering::Relaxed};
 
 const WIDTH: usize = 8;
@@ -24,13 +24,15 @@ struct Plan<'a> {
     cost: Vec<[AtomicU32; WIDTH]>,
     /// Triangles below, where they fit in a leaf, else one more than that.
     triangles: Vec<AtomicU8>,
+    /// Triangles of a leaf at most.
+    leaf: usize,
 }
 
 impl<'a> Plan<'a> {
-    fn new(tree: &'a [BinaryNode]) -> Self {
+    fn new(tree: &'a [BinaryNode], leaf: usize) -> Self {
         let empty = tree.par_iter().map(|_| (Default::default(), AtomicU8::new(1)));
         let (cost, triangles) = empty.unzip();
-        let plan = Self { tree, cost, triangles };
+        let plan = Self { tree, cost, triangles, leaf: leaf.clamp(1, MAX_LEAF) };
         let (top, parts) = cut(tree);
         parts.par_iter().for_each(|&n| preorder(tree, n).into_iter().rev().for_each(|n| plan.solve(n)));
         top.into_iter().rev().for_each(|n| plan.solve(n));
@@ -61,7 +63,7 @@ impl<'a> Plan<'a> {
         self.cost[n].each_ref().map(|cost| f32::from_bits(cost.load(Relaxed)))
     }
     fn leaf_cost(&self, n: usize) -> f32 {
-        let fits = self.triangles[n].load(Relaxed) as usize <= WIDTH;
+        let fits = self.triangles[n].load(Relaxed) as usize <= self.leaf;
         if fits { self.area(n) * LEAF_COST } else { f32::INFINITY }
     }
     /// (cost, roots for the left child) of covering inner node `n` by covering its children with `k` >= 2 roots.
@@ -210,11 +212,11 @@ fn stack_bound(depth: usize) -> usize {
 }
 
 /// The 8-wide tree: nodes in depth-first order, the leaves of each right behind it.
-pub(super) fn collapse(tree: &[BinaryNode], corners: &[[[f32; 3]; 3]]) -> Bvh {
+pub(super) fn collapse(tree: &[BinaryNode], corners: &[[[f32; 3]; 3]], leaf: usize) -> Bvh {
     if tree.is_empty() {
         return Bvh { arena: Arena::new(0), nodes: 0, leaves: 0, slack: 0.0, stack_bound: stack_bound(1) };
     }
-    let plan = Plan::new(tree);
+    let plan = Plan::new(tree, leaf);
     let (wides, blocks, deepest) = outline(&plan);
     let mut arena = Arena::new(blocks);
     let mut rest = arena.blocks_mut();
@@ -249,7 +251,7 @@ mod tests {
                     [p, [p[0] + 0.02, p[1], p[2]], [p[0], p[1] + 0.03, p[2] + 0.01]]
                 })
                 .collect();
-            let bvh = collapse(&binary_tree(&corners, Quality::Best, true), &corners);
+            let bvh = collapse(&binary_tree(&corners, Quality::Best, true), &corners, MAX_LEAF);
             let mut seen = vec![false; count];
             let mut todo: Vec<u32> = if bvh.is_empty() { vec![] } else { vec![0] };
             while let Some(n) = todo.pop() {
@@ -284,8 +286,9 @@ mod tests {
             .collect();
         for corners in [cloud, shells(5000)] {
             for quality in [Quality::Fast, Quality::Balanced, Quality::Best] {
-                let [one, two, five] =
-                    [1, 2, 5].map(|threads| Bvh::build_with(&corners, &BuildOptions { quality, threads }).unwrap());
+                let [one, two, five] = [1, 2, 5].map(|threads| {
+                    Bvh::build_with(&corners, &BuildOptions { quality, threads, ..BuildOptions::default() }).unwrap()
+                });
                 let bytes = |bvh: &Bvh| bytemuck::cast_slice::<Block, u8>(bvh.arena.blocks()).to_vec();
                 assert!(bytes(&one) == bytes(&two) && bytes(&one) == bytes(&five), "{quality:?}");
             }
@@ -330,7 +333,8 @@ mod tests {
                 deepest = deepest.max(found);
             }
             for quality in [Quality::Fast, Quality::Balanced, Quality::Best] {
-                let bvh = Bvh::build_with(&corners, &BuildOptions { quality, threads: 2 }).unwrap();
+                let bvh = Bvh::build_with(&corners, &BuildOptions { quality, threads: 2, ..BuildOptions::default() })
+                    .unwrap();
                 assert!(bvh.stack_bound <= STACK, "{name}, {quality:?}: {}", bvh.stack_bound);
             }
         }

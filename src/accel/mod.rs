@@ -91,13 +91,24 @@ pub enum Quality {
 }
 
 /// How a tree is built.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BuildOptions {
     /// What the build is for.
     pub quality: Quality,
     /// Threads at most; 0 for all cores. The tree is the same on any number of them.
     pub threads: usize,
+    /// Triangles of a leaf at most, 1 to [`MAX_LEAF`]; what is beyond counts as that. Changes the speed, not the hits.
+    pub leaf: usize,
 }
+
+impl Default for BuildOptions {
+    fn default() -> Self {
+        Self { quality: Quality::default(), threads: 0, leaf: MAX_LEAF }
+    }
+}
+
+/// Triangles of a leaf at most: one in each lane.
+pub const MAX_LEAF: usize = 8;
 
 /// Nodes and leaves by their codes.
 #[derive(Clone, Copy)]
@@ -151,17 +162,19 @@ impl Bvh {
     pub fn build(corners: &[[[f32; 3]; 3]]) -> Self {
         let options = BuildOptions::default();
         // Where threads of its own cannot be had, those that the process shares have to do.
-        Self::build_with(corners, &options).unwrap_or_else(|_| Self::grow(corners, options.quality))
+        Self::build_with(corners, &options).unwrap_or_else(|_| Self::grow(corners, &options))
     }
     /// Builds the tree. Corners are finite.
     ///
     /// # Errors
     /// [`Error::Setting`](crate::error::Error::Setting) if the system cannot start that many threads.
     pub fn build_with(corners: &[[[f32; 3]; 3]], options: &BuildOptions) -> Result<Self> {
-        parallel::within(options.threads, || Self::grow(corners, options.quality))
+        parallel::within(options.threads, || Self::grow(corners, options))
     }
-    fn grow(corners: &[[[f32; 3]; 3]], quality: Quality) -> Self {
-        let collapsed = |reinserted| collapse::collapse(&build::binary_tree(corners, quality, reinserted), corners);
+    fn grow(corners: &[[[f32; 3]; 3]], options: &BuildOptions) -> Self {
+        let &BuildOptions { quality, leaf, .. } = options;
+        let collapsed =
+            |reinserted| collapse::collapse(&build::binary_tree(corners, quality, reinserted), corners, leaf);
         let bvh = collapsed(quality == Quality::Best);
         // Reinsertion may leave a way that is too long; the tree before it has none.
         if bvh.stack_bound <= STACK { bvh } else { collapsed(false) }

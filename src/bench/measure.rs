@@ -1,112 +1,266 @@
-//! The clock: rays per second of a tracer on sets of rays.
+//! The clock: figures of cases that take turns, so that a slow moment of the machine touches one repeat of each.
 
 use super::cpu;
-use super::files::HitRecord;
-use super::kernel::Tracer;
-use super::sets::{RaySet, SetKind};
 use std::time::{Duration, Instant};
 
-/// Shortest time that is measured: small sets are traced several times in it.
+/// Shortest time that is measured: short work is done several times in it.
 const SHORTEST: Duration = Duration::from_millis(100);
 /// Passes that are not timed, at most: a pass that takes long enough to be timed alone is the only one.
 const WARM_UPS: usize = 3;
 
-/// What was measured on a set.
-#[derive(Clone, Debug)]
-pub struct Timing {
-    /// Which set.
-    pub kind: SetKind,
-    /// Number of its rays.
-    pub rays: usize,
-    /// How many of them hit something.
-    pub hits: usize,
-    /// Rays per second of each repeat, in 10^6; empty of a set without rays.
-    pub mrays_per_s: Vec<f64>,
+/// What a figure counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// 10^6 rays per second.
+    Mrays,
+    /// 10^6 samples of pixels per second.
+    Msamples,
+    /// 10^6 triangles per second.
+    Mtriangles,
+    /// 10^6 bytes per second.
+    Megabytes,
+    /// 10^9 floating-point operations per second.
+    Gflops,
+    /// Nanoseconds for one item.
+    Nanoseconds,
+    /// Milliseconds.
+    Milliseconds,
+    /// Per cent of a time.
+    Percent,
+}
+
+impl Unit {
+    /// All units and their names.
+    const ALL: [(Self, &'static str); 8] = [
+        (Self::Mrays, "Mrays/s"),
+        (Self::Msamples, "Msamples/s"),
+        (Self::Mtriangles, "Mtriangles/s"),
+        (Self::Megabytes, "MB/s"),
+        (Self::Gflops, "Gflop/s"),
+        (Self::Nanoseconds, "ns"),
+        (Self::Milliseconds, "ms"),
+        (Self::Percent, "%"),
+    ];
+    /// As it is written.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|unit| unit.0 == self).map_or("", |unit| unit.1)
+    }
+    /// The unit that is written so.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.iter().find(|unit| unit.1 == name).map(|unit| unit.0)
+    }
+    /// Whether more of it is better: rates, not times.
+    pub fn is_rate(self) -> bool {
+        !matches!(self, Self::Nanoseconds | Self::Milliseconds | Self::Percent)
+    }
+}
+
+/// Something that is measured: each run gives a value for each of its figures.
+pub struct Case<'a> {
+    /// Names of the figures, unique in a suite, and their units.
+    pub figures: Vec<(String, Unit)>,
+    /// Does the work and returns the values.
+    pub run: Box<dyn FnMut() -> Vec<f64> + 'a>,
+}
+
+/// What was measured, repeat by repeat.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// What it is of.
+    pub name: String,
+    /// What it counts.
+    pub unit: Unit,
+    /// The value of each repeat.
+    pub values: Vec<f64>,
     /// CPUs that were busy with this program in the mean, where the system tells: less than the threads where other
     /// programs took their share.
     pub busy: Option<f64>,
 }
 
-impl Timing {
-    /// The median of the repeats, 0 of a set without rays.
+impl Figure {
+    /// The median of the repeats, 0 without any.
     pub fn median(&self) -> f64 {
-        let mut sorted = self.mrays_per_s.clone();
-        sorted.sort_by(f64::total_cmp);
-        let at = |i: usize| sorted.get(i).copied().unwrap_or(0.0);
-        match sorted.len() {
-            0 => 0.0,
-            n => (at(n / 2) + at((n - 1) / 2)) / 2.0,
+        median(&self.values)
+    }
+    /// The best repeat: the largest rate or the shortest time; 0 without any.
+    pub fn best(&self) -> f64 {
+        let (least, most) = self.range();
+        match self.values.is_empty() {
+            true => 0.0,
+            false if self.unit.is_rate() => most,
+            false => least,
         }
     }
-    /// The fastest repeat.
-    pub fn best(&self) -> f64 {
-        self.mrays_per_s.iter().copied().fold(0.0, f64::max)
-    }
-    /// From the slowest repeat to the fastest, over the median.
+    /// From the least repeat to the largest, over the median.
     pub fn spread(&self) -> f64 {
-        let slowest = self.mrays_per_s.iter().copied().fold(f64::INFINITY, f64::min);
-        let median = self.median();
-        if median > 0.0 { (self.best() - slowest) / median } else { 0.0 }
+        let ((least, most), median) = (self.range(), self.median());
+        if median > 0.0 { (most - least) / median } else { 0.0 }
+    }
+    fn range(&self) -> (f64, f64) {
+        self.values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)))
     }
 }
 
-/// Times a tracer on each set, `repeats` times after a pass that is not timed; returns the timings and the hits of each.
-///
-/// A time is that from the first ray read to the last hit written, with the start and the end of all threads. A repeat
-/// goes once through all sets, so that a slow moment of the machine touches one repeat of each.
-pub fn measure(tracer: &Tracer<'_>, sets: &[RaySet], repeats: usize) -> Vec<(Timing, Vec<HitRecord>)> {
-    let mut results: Vec<(Timing, Vec<HitRecord>)> = Vec::with_capacity(sets.len());
-    let mut passes = Vec::with_capacity(sets.len());
-    for set in sets {
-        let mut hits = vec![HitRecord::MISS; set.rays.len()];
-        // A slow moment in a short pass would tell too little of the next ones: the best of some.
-        let mut seconds = f64::INFINITY;
-        for _ in 0..WARM_UPS {
-            let start = Instant::now();
-            tracer.trace(&set.rays, &mut hits, set.kind.query(), 1);
-            seconds = seconds.min(start.elapsed().as_secs_f64().max(1e-9));
-            if seconds >= SHORTEST.as_secs_f64() {
-                break;
-            }
-        }
-        passes.push((SHORTEST.as_secs_f64() / seconds).ceil().max(1.0) as usize);
-        let found = hits.iter().filter(|hit| hit.is_some()).count();
-        let timing = Timing { kind: set.kind, rays: set.rays.len(), hits: found, mrays_per_s: Vec::new(), busy: None };
-        results.push((timing, hits));
+/// The median of some values, 0 of none.
+pub fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = |i: usize| sorted.get(i).copied().unwrap_or(0.0);
+    match sorted.len() {
+        0 => 0.0,
+        n => (at(n / 2) + at((n - 1) / 2)) / 2.0,
     }
-    let mut spent = vec![(Duration::ZERO, Some(Duration::ZERO)); sets.len()];
-    for _ in 0..repeats {
-        for ((set, &passes), ((timing, hits), spent)) in
-            sets.iter().zip(&passes).zip(results.iter_mut().zip(&mut spent))
-        {
-            if set.rays.is_empty() {
-                continue;
-            }
+}
+
+/// What the runs of a case gave.
+#[derive(Default)]
+struct Log {
+    runs: Vec<Vec<f64>>,
+    wall: Duration,
+    /// CPU time, where the system tells.
+    worked: Option<Duration>,
+}
+
+impl Log {
+    fn add(&mut self, run: Vec<f64>, wall: Duration, worked: Option<Duration>) {
+        let before = if self.runs.is_empty() { Some(Duration::ZERO) } else { self.worked };
+        self.worked = before.zip(worked).map(|(sum, worked)| sum + worked);
+        self.wall += wall;
+        self.runs.push(run);
+    }
+    /// The values of a figure, one by one.
+    fn column(&self, k: usize) -> Vec<f64> {
+        self.runs.iter().filter_map(|run| run.get(k).copied()).collect()
+    }
+    fn busy(&self) -> Option<f64> {
+        let worked = self.worked.filter(|_| !self.wall.is_zero())?;
+        Some(worked.as_secs_f64() / self.wall.as_secs_f64())
+    }
+}
+
+/// Runs all cases in turn, `repeats` times after a run that does not count, and returns their figures. `seen` is told the
+/// share of the runs that is done; where it returns false, the repeats that are whole are all there are.
+pub fn measure(mut cases: Vec<Case<'_>>, repeats: usize, mut seen: impl FnMut(f64) -> bool) -> Vec<Figure> {
+    let all = cases.len() * (repeats + 1);
+    let mut done = 0;
+    let mut logs: Vec<Log> = cases.iter().map(|_| Log::default()).collect();
+    'repeats: for repeat in 0..=repeats {
+        let mut round = Vec::with_capacity(cases.len());
+        for case in &mut cases {
             let (cpu, start) = (cpu::time(), Instant::now());
-            tracer.trace(&set.rays, hits, set.kind.query(), passes);
+            let run = (case.run)();
             let wall = start.elapsed();
             let worked = cpu::time().zip(cpu).map(|(after, before)| after.saturating_sub(before));
-            *spent = (spent.0 + wall, spent.1.zip(worked).map(|(sum, worked)| sum + worked));
-            timing.mrays_per_s.push(set.rays.len() as f64 * passes as f64 / wall.as_secs_f64().max(1e-9) * 1e-6);
+            round.push((run, wall, worked));
+            done += 1;
+            if !seen(done as f64 / all as f64) {
+                break 'repeats;
+            }
+        }
+        if repeat > 0 {
+            logs.iter_mut().zip(round).for_each(|(log, (run, wall, worked))| log.add(run, wall, worked));
         }
     }
-    for ((timing, _), (wall, worked)) in results.iter_mut().zip(spent) {
-        timing.busy = worked.filter(|_| !wall.is_zero()).map(|worked| worked.as_secs_f64() / wall.as_secs_f64());
+    let of = |(case, log): (Case<'_>, Log)| {
+        let names = case.figures.into_iter().enumerate();
+        names.map(move |(k, (name, unit))| Figure { name, unit, values: log.column(k), busy: log.busy() })
+    };
+    cases.into_iter().zip(logs).flat_map(of).collect()
+}
+
+/// Times short work: as many passes at once as take long enough.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pace {
+    passes: Option<usize>,
+}
+
+impl Pace {
+    /// Seconds of one pass of `work`, which does as many as it is told.
+    pub fn seconds(&mut self, mut work: impl FnMut(usize)) -> f64 {
+        let mut time = |passes: usize| {
+            let start = Instant::now();
+            work(passes);
+            start.elapsed().as_secs_f64().max(1e-9)
+        };
+        let passes = *self.passes.get_or_insert_with(|| {
+            // A slow moment in a short pass would tell too little of the next ones: the best of some.
+            let mut seconds = f64::INFINITY;
+            for _ in 0..WARM_UPS {
+                seconds = seconds.min(time(1));
+                if seconds >= SHORTEST.as_secs_f64() {
+                    break;
+                }
+            }
+            (SHORTEST.as_secs_f64() / seconds).ceil().max(1.0) as usize
+        });
+        time(passes) / passes as f64
     }
-    results
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn figure(unit: Unit, values: &[f64]) -> Figure {
+        Figure { name: String::new(), unit, values: values.to_vec(), busy: None }
+    }
+
     #[test]
     fn median_best_and_spread() {
-        let timing = |v: &[f64]| Timing { kind: SetKind::Deep, rays: 1, hits: 0, mrays_per_s: v.to_vec(), busy: None };
-        let odd = timing(&[4.0, 1.0, 2.0]);
+        let odd = figure(Unit::Mrays, &[4.0, 1.0, 2.0]);
         assert_eq!((odd.median(), odd.best(), odd.spread()), (2.0, 4.0, 1.5));
-        assert_eq!(timing(&[4.0, 1.0, 2.0, 3.0]).median(), 2.5);
-        let none = timing(&[]);
+        assert_eq!(figure(Unit::Nanoseconds, &[4.0, 1.0, 2.0]).best(), 1.0);
+        assert_eq!(figure(Unit::Mrays, &[4.0, 1.0, 2.0, 3.0]).median(), 2.5);
+        let none = figure(Unit::Mrays, &[]);
         assert_eq!((none.median(), none.best(), none.spread()), (0.0, 0.0, 0.0));
+    }
+
+    #[test]
+    fn units_have_names_of_their_own() {
+        for (unit, name) in Unit::ALL {
+            assert_eq!((Unit::from_name(name), unit.name()), (Some(unit), name));
+        }
+    }
+
+    #[test]
+    fn cases_take_turns_and_the_first_run_does_not_count() {
+        let order = std::cell::RefCell::new(Vec::new());
+        let case = |id: f64| {
+            let (order, mut runs) = (&order, 0.0);
+            let run = move || {
+                order.borrow_mut().push(id);
+                runs += 1.0;
+                vec![id, runs]
+            };
+            Case {
+                figures: vec![(format!("{id}"), Unit::Mrays), (format!("{id} runs"), Unit::Mrays)],
+                run: Box::new(run),
+            }
+        };
+        let figures = measure(vec![case(1.0), case(2.0)], 2, |_| true);
+        assert_eq!(*order.borrow(), [1.0, 2.0, 1.0, 2.0, 1.0, 2.0]);
+        let values: Vec<_> = figures.iter().map(|f| f.values.clone()).collect();
+        assert_eq!(values, [[1.0, 1.0], [2.0, 3.0], [2.0, 2.0], [2.0, 3.0]]);
+
+        // Stopped in the midst of the second repeat: one is whole.
+        let mut left = 5;
+        let cut = measure(vec![case(1.0), case(2.0)], 2, |_| {
+            left -= 1;
+            left > 0
+        });
+        assert_eq!(cut.iter().map(|f| f.values.len()).collect::<Vec<_>>(), [1; 4]);
+    }
+
+    #[test]
+    fn short_work_is_done_several_times() {
+        let (mut pace, mut passes) = (Pace::default(), Vec::new());
+        pace.seconds(|n| {
+            passes.push(n);
+            std::thread::sleep(Duration::from_millis(20) * n as u32);
+        });
+        assert_eq!(passes[..3], [1, 1, 1]);
+        assert!((2..=5).contains(&passes[3]) && passes.len() == 4, "{passes:?}");
+        pace.seconds(|n| passes.push(n));
+        assert_eq!(passes[4], passes[3], "later runs do as many");
     }
 }

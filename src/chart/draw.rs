@@ -15,35 +15,47 @@ const LONGEST: usize = 80;
 
 /// A document of one row per scene: error against seconds, error against samples.
 pub fn document(title: &str, scenes: &[SceneCurves], legend: &Legend, metric: Metric) -> String {
-    let width = 2.0 * panel::WIDTH + 2.0 * MARGIN;
-    let (entries, legend_height) = legend.draw(width - 2.0 * MARGIN - 20.0);
+    let panels = scenes
+        .iter()
+        .flat_map(|scene| Across::ALL.map(|across| (scene.scene.clone(), panel(scene, legend, metric, across))));
+    panels_document(title, legend.draw(WIDTH - 2.0 * MARGIN - 20.0), &panels.collect::<Vec<_>>())
+}
+
+/// Pixels across a document.
+const WIDTH: f64 = 2.0 * panel::WIDTH + 2.0 * MARGIN;
+
+/// A document of panels, two in a row, each with its title, below a legend of some height.
+pub fn panels_document(title: &str, (entries, legend_height): (String, f64), panels: &[(String, String)]) -> String {
     let top = MARGIN + TITLE + legend_height + 8.0;
-    let height = top + panel::HEIGHT * scenes.len() as f64 + MARGIN;
+    let height = top + panel::HEIGHT * panels.len().div_ceil(2) as f64 + MARGIN;
     let mut out = String::new();
     // Writing to a string cannot fail.
     let _ = write!(
         out,
-        r##"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" font-family="{FONTS}" color="#333333"><rect width="{width}" height="{height}" fill="#ffffff"/>"##
+        r##"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" height="{height}" font-family="{FONTS}" color="#333333"><rect width="{WIDTH}" height="{height}" fill="#ffffff"/>"##
     );
     text(&mut out, (MARGIN + 8.0, MARGIN + 20.0), "start", r#"font-size="19""#, &shortened(title, LONGEST));
     let _ = write!(out, r#"<g transform="translate({} {})">{entries}</g>"#, MARGIN + 8.0, MARGIN + TITLE);
-    for (row, scene) in scenes.iter().enumerate() {
-        for (column, across) in Across::ALL.into_iter().enumerate() {
-            let x = MARGIN + panel::WIDTH * column as f64;
-            let y = top + panel::HEIGHT * row as f64;
-            let mut content = panel(scene, legend, metric, across);
-            text(&mut content, (panel::LEFT, 20.0), "start", r#"font-size="16""#, &shortened(&scene.scene, 48));
-            let _ = write!(out, r#"<g transform="translate({x} {y})">{content}</g>"#);
-        }
+    for (number, (name, content)) in panels.iter().enumerate() {
+        let x = MARGIN + panel::WIDTH * (number % 2) as f64;
+        let y = top + panel::HEIGHT * (number / 2) as f64;
+        let mut content = content.clone();
+        text(&mut content, (panel::LEFT, 20.0), "start", r#"font-size="16""#, &shortened(name, 48));
+        let _ = write!(out, r#"<g transform="translate({x} {y})">{content}</g>"#);
     }
     out + "</svg>\n"
 }
 
 /// A panel as an element of a page, which names the scene by itself.
 pub fn element(scene: &SceneCurves, legend: &Legend, metric: Metric, across: Across) -> String {
+    panel_element("", &panel(scene, legend, metric, across))
+}
+
+/// The content of any panel as an element of a page, with a name for those who do not see it unless that is empty.
+pub fn panel_element(name: &str, content: &str) -> String {
     let (top, width, height) = (panel::TITLE, panel::WIDTH, panel::HEIGHT - panel::TITLE);
-    let content = panel(scene, legend, metric, across);
-    format!(r#"<svg class="panel" viewBox="0 {top} {width} {height}" font-family="{FONTS}">{content}</svg>"#)
+    let label = if name.is_empty() { String::new() } else { format!(r#" role="group" aria-label="{name}""#) };
+    format!(r#"<svg class="panel" viewBox="0 {top} {width} {height}" font-family="{FONTS}"{label}>{content}</svg>"#)
 }
 
 #[cfg(test)]

@@ -4,6 +4,8 @@
 //! [`Reference`]. Everything that is drawn is made of rows, so that those of other programs can stand among them.
 
 pub mod axis;
+pub mod bars;
+pub mod board;
 pub mod curve;
 pub mod draw;
 pub mod figures;
@@ -17,10 +19,14 @@ pub mod machine;
 pub mod number;
 pub mod page;
 pub mod panel;
+pub mod plot;
 pub mod raster;
 pub mod reference;
+pub mod roof;
 pub mod row;
 pub mod setup;
+pub mod sheet;
+pub mod spans;
 pub mod style;
 pub mod svg;
 pub mod sweep;
@@ -38,4 +44,5 @@ pub use page::Page;
 pub use reference::Reference;
 pub use row::Row;
 pub use setup::{ReferenceSetup, SceneSetup, Setup};
+pub use sheet::Sheet;
 pub use sweep::{Series, Task};

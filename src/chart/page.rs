@@ -1,6 +1,4 @@
-//! The page: charts, figures, pictures and settings in one HTML file, which needs nothing beside it.
-//!
-//! Style and script stand in files of their own. A policy in the page forbids the browser to fetch anything.
+//! The page of a chart: charts, figures, pictures and settings.
 
 use super::curve::{Metric, SceneCurves, curves};
 use super::draw::element;
@@ -8,13 +6,10 @@ use super::gallery::Gallery;
 use super::legend::{Legend, sample};
 use super::number::count;
 use super::panel::Across;
+use super::sheet::Sheet;
 use super::svg::escape;
 use super::{Row, table};
 use std::fmt::Write;
-
-const DOCUMENT: &str = include_str!("page.html");
-const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = include_str!("page.js");
 
 /// What the page shows.
 #[derive(Clone, Debug, Default)]
@@ -44,16 +39,15 @@ impl Page {
             .filter(|(_, scenes)| scenes.iter().any(|scene| !scene.curves.is_empty()))
             .collect();
         let scenes: String = self.galleries.iter().map(|gallery| self.scene(gallery, &drawn)).collect();
-        let parts = [
-            ("title", escape(&self.title)),
-            ("style", dark_colours() + STYLE),
-            ("summary", self.summary()),
-            ("legend", self.bar(&drawn)),
-            ("scenes", scenes),
-            ("repeat", self.repeat()),
-            ("script", SCRIPT.to_owned()),
-        ];
-        filled(DOCUMENT, &parts)
+        let sheet = Sheet {
+            title: &self.title,
+            summary: self.summary(),
+            bar: self.bar(&drawn),
+            sections: scenes,
+            facts: &self.facts,
+            command: &self.command,
+        };
+        sheet.html()
     }
 
     fn summary(&self) -> String {
@@ -104,47 +98,11 @@ impl Page {
         out.push_str(&table::html(&gallery.scene, &self.rows));
         out + &gallery.html() + "</section>"
     }
-
-    fn repeat(&self) -> String {
-        let row = |(name, value): &(String, String)| {
-            format!(r#"<tr><th scope="row">{}</th><td>{}</td></tr>"#, escape(name), escape(value))
-        };
-        let rows: String = self.facts.iter().map(row).collect();
-        format!(
-            r#"<section aria-label="How to repeat this"><h2>How to repeat this</h2><p><code>{}</code></p><div class="scroll"><table class="facts"><tbody>{rows}</tbody></table></div></section>"#,
-            escape(&self.command)
-        )
-    }
-}
-
-/// The template with each `{{name}}` replaced; what is filled in is not looked at again.
-fn filled(template: &str, parts: &[(&str, String)]) -> String {
-    let mut pieces = template.split("{{");
-    let mut out = pieces.next().unwrap_or_default().to_owned();
-    for piece in pieces {
-        let (name, rest) = piece.split_once("}}").unwrap_or(("", piece));
-        out.push_str(parts.iter().find(|part| part.0 == name).map_or("", |part| &part.1));
-        out.push_str(rest);
-    }
-    out
-}
-
-/// Lines are lighter on a dark ground.
-fn dark_colours() -> String {
-    let rules: String =
-        super::style::DARK_COLOURS.iter().enumerate().map(|(i, colour)| format!(".s{i}{{color:{colour}}}")).collect();
-    format!("@media (prefers-color-scheme: dark) {{ {rules} }}\n")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_template_is_filled_once() {
-        let parts = [("a", "{{b}}".to_owned()), ("b", "x".to_owned())];
-        assert_eq!(filled("<{{a}}|{{b}}|{{c}}>{{", &parts), "<{{b}}|x|>");
-    }
 
     #[test]
     fn the_page_needs_nothing_beside_it_and_names_are_text() {

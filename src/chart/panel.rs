@@ -18,9 +18,9 @@ pub const HEIGHT: f64 = 360.0;
 pub const TITLE: f64 = 26.0;
 /// Pixels to the left of the curves.
 pub const LEFT: f64 = 76.0;
-const RIGHT: f64 = WIDTH - 14.0;
-const TOP: f64 = TITLE + 8.0;
-const BOTTOM: f64 = HEIGHT - 52.0;
+pub(super) const RIGHT: f64 = WIDTH - 14.0;
+pub(super) const TOP: f64 = TITLE + 8.0;
+pub(super) const BOTTOM: f64 = HEIGHT - 52.0;
 /// The guide runs above all curves by this factor.
 const GUIDE: f64 = 1.8;
 
@@ -60,10 +60,7 @@ impl Across {
 /// The panel as the content of an SVG element of [`WIDTH`] by [`HEIGHT`].
 pub fn panel(scene: &SceneCurves, legend: &Legend, metric: Metric, across: Across) -> String {
     let mut out = String::new();
-    text(&mut out, ((LEFT + RIGHT) / 2.0, HEIGHT - 12.0), "middle", r#"font-size="13""#, across.name());
-    let middle = (TOP + BOTTOM) / 2.0;
-    let turned = format!(r#"font-size="13" transform="rotate(-90 16 {middle:.1})""#);
-    text(&mut out, (16.0, middle), "middle", &turned, metric.name());
+    names(&mut out, across.name(), metric.name());
     let points = || scene.curves.iter().flat_map(|curve| &curve.points).filter(|p| is_shown(p, across));
     let ups = points().flat_map(|p| [p.error.low, p.error.median, p.error.high]);
     // The quantiles alone may lie far below the rest, where the reference's noise was taken off.
@@ -75,7 +72,7 @@ pub fn panel(scene: &SceneCurves, legend: &Legend, metric: Metric, across: Acros
     ));
     let Some((x, y)) = axes else {
         frame(&mut out);
-        let place = ((LEFT + RIGHT) / 2.0, middle);
+        let place = ((LEFT + RIGHT) / 2.0, (TOP + BOTTOM) / 2.0);
         text(&mut out, place, "middle", r#"font-size="13" opacity="0.7""#, "nothing to draw: no error is above 0");
         return out;
     };
@@ -106,26 +103,9 @@ struct Plot {
 // Writing to a string cannot fail: what `write!` returns is dropped throughout.
 impl Plot {
     fn grid(&self, out: &mut String) {
-        for tick in self.x.ticks() {
-            let opacity = if tick.decade { 0.22 } else { 0.09 };
-            let _ = write!(
-                out,
-                r#"<path d="M{0:.1} {TOP}V{BOTTOM}" stroke="currentColor" stroke-opacity="{opacity}"/>"#,
-                tick.at
-            );
-            if let Some(label) = &tick.label {
-                text(out, (tick.at, BOTTOM + 17.0), "middle", r#"font-size="12" opacity="0.85""#, label);
-            }
-        }
-        for tick in self.y.ticks() {
-            let opacity = if tick.decade { 0.22 } else { 0.09 };
-            let _ = write!(
-                out,
-                r#"<path d="M{LEFT} {0:.1}H{RIGHT}" stroke="currentColor" stroke-opacity="{opacity}"/>"#,
-                tick.at
-            );
-            if let Some(label) = &tick.label {
-                text(out, (LEFT - 7.0, tick.at + 4.0), "end", r#"font-size="12" opacity="0.85""#, label);
+        for (axis, upright) in [(&self.x, true), (&self.y, false)] {
+            for tick in axis.ticks() {
+                rule(out, tick.at, upright, if tick.decade { 0.22 } else { 0.09 }, tick.label.as_deref());
             }
         }
     }
@@ -207,7 +187,25 @@ pub fn banded(band: &Band) -> String {
     if low == high { median } else { format!("{median} ({low} to {high})") }
 }
 
-fn frame(out: &mut String) {
+/// Writes what both axes are.
+pub(super) fn names(out: &mut String, across: &str, up: &str) {
+    text(out, ((LEFT + RIGHT) / 2.0, HEIGHT - 12.0), "middle", r#"font-size="13""#, across);
+    let middle = (TOP + BOTTOM) / 2.0;
+    let turned = format!(r#"font-size="13" transform="rotate(-90 16 {middle:.1})""#);
+    text(out, (16.0, middle), "middle", &turned, up);
+}
+
+/// Draws a line across the curves, with its label: from the bottom up, or to the right.
+pub(super) fn rule(out: &mut String, at: f64, upright: bool, opacity: f64, label: Option<&str>) {
+    let path = if upright { format!("M{at:.1} {TOP}V{BOTTOM}") } else { format!("M{LEFT} {at:.1}H{RIGHT}") };
+    let _ = write!(out, r#"<path d="{path}" stroke="currentColor" stroke-opacity="{opacity}"/>"#);
+    let Some(label) = label else { return };
+    let (place, anchor) = if upright { ((at, BOTTOM + 17.0), "middle") } else { ((LEFT - 7.0, at + 4.0), "end") };
+    text(out, place, anchor, r#"font-size="12" opacity="0.85""#, label);
+}
+
+/// Draws the border of the curves.
+pub(super) fn frame(out: &mut String) {
     let (width, height) = (RIGHT - LEFT, BOTTOM - TOP);
     let _ = write!(
         out,

@@ -1,18 +1,20 @@
 //! The table of verbs and options.
 
-pub use super::args_bench::{Bench, RaysArgs};
 pub use super::args_compare::CompareArgs;
+pub use super::bench::BenchArgs;
 use super::chart::ChartArgs;
-use super::choices::{Effort, Integrator, Method, Quality, Sampler, ToneMap};
+use super::choices::{BounceRays, CameraRays, Effort, Integrator, Method, Quality, Sampler, Sort, Switch, ToneMap};
+use super::profile::ProfileArgs;
 use super::values::{error, exposure, light_paths, seconds, size};
 use clap::{Args, Parser, Subcommand, value_parser};
 use std::path::PathBuf;
 use std::sync::LazyLock;
 use std::time::Duration;
-use wavetrace::accel::BuildOptions;
+use wavetrace::accel::{BuildOptions, MAX_LEAF};
 use wavetrace::lanes;
 use wavetrace::output::Tone;
 use wavetrace::render::{DEFAULT_LIGHT_PATHS, DEFAULT_WAVE, MAX_THREADS, MAX_WAVE, Settings};
+use wavetrace::wave::{DEFAULT_JOB, Tuning};
 
 static VERSION: LazyLock<String> = LazyLock::new(|| format!("{} (SIMD: {})", env!("CARGO_PKG_VERSION"), lanes::simd()));
 
@@ -23,12 +25,17 @@ Examples:
   wavetrace scene.json 64 -o a.exr -o a.png --size 1920x1080 --stats a.json
   wavetrace check scene.json                are there mistakes, and what is in it?
   wavetrace compare image.exr reference.exr how far is one from the other?
+  wavetrace bench --save before             how fast is all of it?
   wavetrace bench rays mesh.obj             how fast are rays traced?
   wavetrace chart scene.json -o charts      how fast does the error fall?
+  wavetrace profile scene.json -o profile   where does the time go?
   wavetrace ./check                         a scene file that is called like a verb
 
-Exit codes: 0 done; 1 the scene or a file is at fault; 2 the command line is; 130 interrupted (what was
-rendered so far is written).";
+Exit codes: 0 done; 1 the scene or a file is at fault; 2 the command line is; 3 `bench --against` found something
+slower; 130 interrupted (what was rendered so far is written).";
+
+/// Heading of the options that change the speed, not the image.
+const SPEED: &str = "Speed alone: the image stays the same";
 
 const OUTPUT_HELP: &str = "\
 Image file, repeatable; its ending picks the format: .png, .ppm, .exr (float, linear), .hdr
@@ -63,16 +70,17 @@ pub enum Verb {
     Check(CheckArgs),
     /// Compare an image with a reference: errors, FLIP, a t-test
     Compare(CompareArgs),
-    /// Measure how fast rays are traced
+    /// Measure how fast the program is
     #[command(
-        subcommand,
-        subcommand_help_heading = "What is measured",
+        subcommand_help_heading = "What is measured instead of the standard suite",
         subcommand_value_name = "WHAT",
         disable_help_subcommand = true
     )]
-    Bench(Bench),
+    Bench(BenchArgs),
     /// Chart the error of renders against time and samples
     Chart(ChartArgs),
+    /// Show where the time and the memory of a render go
+    Profile(ProfileArgs),
 }
 
 /// Arguments of `wavetrace check`.
@@ -149,20 +157,43 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=MAX_THREADS as i64),
         allow_negative_numbers = true, help_heading = "Machine")]
     pub threads: Option<u32>,
-    /// Paths in flight per thread; changes the speed, not the image
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_WAVE as u32, allow_negative_numbers = true,
-        value_parser = value_parser!(u32).range(1..=MAX_WAVE as i64), help_heading = "Machine")]
-    pub wave: u32,
-    /// What the tree over the triangles is built for; changes the speed, not the image
-    #[arg(long, value_name = "QUALITY", value_enum, default_value_t, help_heading = "Machine")]
+    /// What the tree over the triangles is built for
+    #[arg(long, value_name = "QUALITY", value_enum, default_value_t, help_heading = SPEED)]
     pub bvh: Quality,
+    /// Triangles of the tree's leaves at most
+    #[arg(long, value_name = "N", default_value_t = MAX_LEAF as u32, allow_negative_numbers = true,
+        value_parser = value_parser!(u32).range(1..=MAX_LEAF as i64), help_heading = SPEED)]
+    pub leaf: u32,
+    /// Paths in flight per thread
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_WAVE as u32, allow_negative_numbers = true,
+        value_parser = value_parser!(u32).range(1..=MAX_WAVE as i64), help_heading = SPEED)]
+    pub wave: u32,
+    /// Paths that a thread takes on at a time, at least
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_JOB, allow_negative_numbers = true,
+        value_parser = value_parser!(u32).range(1..), help_heading = SPEED)]
+    pub job: u32,
+    /// Whether new paths take the place of those that ended at once, or once all have ended
+    #[arg(long, value_name = "REFILL", value_enum, default_value_t, help_heading = SPEED)]
+    pub refill: Switch,
+    /// How camera rays are traced
+    #[arg(long, value_name = "KERNEL", value_enum, default_value_t, help_heading = SPEED)]
+    pub camera_rays: CameraRays,
+    /// How other rays are traced
+    #[arg(long, value_name = "KERNEL", value_enum, default_value_t, help_heading = SPEED)]
+    pub bounce_rays: BounceRays,
+    /// When paths are sorted by what they hit
+    #[arg(long, value_name = "WHEN", value_enum, default_value_t, help_heading = SPEED)]
+    pub sort: Sort,
     /// Which integrator runs
-    #[arg(long, value_name = "INTEGRATOR", value_enum, default_value_t, help_heading = "Machine")]
+    #[arg(long, value_name = "INTEGRATOR", value_enum, default_value_t, help_heading = SPEED)]
     pub integrator: Integrator,
 
     /// Write figures of the run: seconds, rays, stages, bytes
     #[arg(long, value_name = "FILE.json", help_heading = "Messages")]
     pub stats: Option<PathBuf>,
+    /// Write what each worker did when, for Perfetto and chrome://tracing
+    #[arg(long, value_name = "FILE.json", help_heading = "Messages")]
+    pub trace: Option<PathBuf>,
     /// Show which stages this scene needs and which it leaves out; render nothing
     #[arg(long, help_heading = "Messages")]
     pub explain: bool,
@@ -198,12 +229,25 @@ impl RenderArgs {
             wave_size: self.wave as usize,
             light_paths: self.light_paths,
             integrator: self.integrator.into(),
+            tuning: self.tuning(),
             time_stages: self.stats.is_some(),
+            timeline: self.trace.is_some(),
+        }
+    }
+    /// Choices of speed.
+    fn tuning(&self) -> Tuning {
+        Tuning {
+            refill: self.refill == Switch::On,
+            tiles: self.camera_rays == CameraRays::Tile,
+            streams: self.bounce_rays == BounceRays::Stream,
+            sort_always: self.sort == Sort::Always,
+            job: self.job,
         }
     }
     /// How the tree is built.
     pub fn build_options(&self) -> BuildOptions {
-        BuildOptions { quality: self.bvh.into(), threads: self.threads.unwrap_or(0) as usize }
+        let threads = self.threads.unwrap_or(0) as usize;
+        BuildOptions { quality: self.bvh.into(), threads, leaf: self.leaf as usize }
     }
     /// How 8-bit images show radiance.
     pub fn tone(&self) -> Tone {
@@ -228,8 +272,8 @@ mod tests {
         assert_eq!(parse(&[]).settings(), Settings::default());
         assert_eq!(parse(&[]).build_options(), BuildOptions::default());
         assert_eq!(parse(&["--time", "9"]).settings().spp, u32::MAX);
-        let built = parse(&["--bvh", "best", "--threads", "3"]).build_options();
-        assert_eq!(built, BuildOptions { quality: wavetrace::accel::Quality::Best, threads: 3 });
+        let built = parse(&["--bvh", "best", "--threads", "3", "--leaf", "4"]).build_options();
+        assert_eq!(built, BuildOptions { quality: wavetrace::accel::Quality::Best, threads: 3, leaf: 4 });
         let args = parse(&[
             "9",
             "--seed",
@@ -256,6 +300,18 @@ mod tests {
             "0.01",
             "--stats",
             "s.json",
+            "--trace",
+            "t.json",
+            "--refill",
+            "off",
+            "--camera-rays",
+            "stream",
+            "--bounce-rays",
+            "many",
+            "--sort",
+            "always",
+            "--job",
+            "9",
             "--exposure",
             "-1.5",
             "--tonemap",
@@ -274,7 +330,9 @@ mod tests {
             wave_size: 64,
             light_paths: 0.5,
             integrator: wavetrace::render::Integrator::Reference,
+            tuning: Tuning { refill: false, tiles: false, streams: false, sort_always: true, job: 9 },
             time_stages: true,
+            timeline: true,
         };
         assert_eq!(args.settings(), expected);
         assert_eq!(args.tone(), Tone { exposure_ev: -1.5, map: wavetrace::output::ToneMap::Max });

@@ -35,6 +35,46 @@ pub enum Effort {
     Tiles,
 }
 
+/// Whether something is done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Switch {
+    /// Yes
+    #[default]
+    On,
+    /// No
+    Off,
+}
+
+/// How camera rays are traced, `--camera-rays`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum CameraRays {
+    /// Tiles of neighbours that run the same way
+    #[default]
+    Tile,
+    /// Like other rays
+    Stream,
+}
+
+/// How rays after a bounce and shadow rays are traced, `--bounce-rays`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum BounceRays {
+    /// Put in order and traced in streams, where that pays
+    #[default]
+    Stream,
+    /// Many in flight, in their order
+    Many,
+}
+
+/// When rows are sorted into lists, `--sort`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Sort {
+    /// Where surfaces are of several kinds
+    #[default]
+    Auto,
+    /// Also where they are of one kind
+    Always,
+}
+
 /// Which integrator runs, `--integrator`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Integrator {

@@ -12,7 +12,7 @@ const MAX_NAMED: usize = 5;
 
 /// Shows the last lines.
 pub fn show(run: &Run<'_>, files: &[PathBuf], console: &Console) {
-    let Run { args, settings, renderer, rendered, times } = *run;
+    let Run { args, settings, renderer, rendered, times, .. } = *run;
     oddities(run, console);
     if args.given_spp().is_none() && !args.is_open() {
         console

@@ -1,9 +1,8 @@
 //! The command line. All that the program prints is printed here; the library is silent.
 
 mod args;
-mod args_bench;
 mod args_compare;
-mod bench_rays;
+mod bench;
 mod chart;
 mod check;
 mod choices;
@@ -11,17 +10,20 @@ mod closing;
 mod compare;
 mod comparison;
 mod explain;
+mod facts;
 mod interrupt;
 mod load;
 mod messages;
 mod outputs;
+mod profile;
 mod progress;
 mod render;
 mod stats;
+mod trace;
 mod units;
 mod values;
 
-use args::{Bench, Cli, Verb};
+use args::{Cli, Verb};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser};
 use std::ffi::OsString;
@@ -36,6 +38,8 @@ pub enum Exit {
     Fault = 1,
     /// The command line is at fault.
     Usage = 2,
+    /// Something is slower than it was.
+    Slower = 3,
     /// The user, or the system, asked for the end; what was rendered so far is written.
     Interrupted = 130,
 }
@@ -70,8 +74,9 @@ pub fn run(command: &Cli) -> Exit {
     let result = match (&command.verb, &command.render) {
         (Some(Verb::Check(args)), _) => check::run(args),
         (Some(Verb::Compare(args)), _) => compare::run(args),
-        (Some(Verb::Bench(Bench::Rays(args))), _) => bench_rays::run(args),
+        (Some(Verb::Bench(args)), _) => bench::run(args),
         (Some(Verb::Chart(args)), _) => chart::run(args),
+        (Some(Verb::Profile(args)), _) => profile::run(args),
         (None, Some(args)) if args.explain => explain::run(args),
         (None, Some(args)) => render::run(args),
         (None, None) => Err(Exit::Usage),

@@ -34,11 +34,15 @@ pub fn check(args: &RenderArgs, console: &Console) -> Result<(), Exit> {
             wrong(&error, if Format::from_path(path).is_err() { Exit::Usage } else { Exit::Fault });
         }
     }
-    if let Some(stats) = &args.stats {
-        if args.output.iter().chain([&args.scene]).any(|path| same_file(path, stats)) {
-            let reason = "found the scene or the image, expected a file of its own for --stats".to_owned();
-            wrong(&Error::Output { file: stats.clone(), reason }, Exit::Usage);
-        } else if let Err(error) = output::check_writable_text(stats) {
+    let figures = [("--stats", &args.stats), ("--trace", &args.trace)];
+    for (k, (option, path)) in figures.iter().enumerate() {
+        let Some(path) = path else { continue };
+        let others = args.output.iter().chain([&args.scene]).chain(figures[..k].iter().filter_map(|f| f.1.as_ref()));
+        if others.into_iter().any(|other| same_file(other, path)) {
+            let reason =
+                format!("found the scene, the image or other figures, expected a file of its own for {option}");
+            wrong(&Error::Output { file: path.clone(), reason }, Exit::Usage);
+        } else if let Err(error) = output::check_writable_text(path) {
             wrong(&error, Exit::Fault);
         }
     }

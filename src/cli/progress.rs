@@ -27,6 +27,30 @@ pub struct Goal {
     pub error: Option<f64>,
 }
 
+/// Shows the share of something that is done, on a terminal alone.
+pub struct Meter(ProgressBar);
+
+impl Meter {
+    /// Shows nothing where the user wants it quiet.
+    pub fn new(quiet: bool) -> Self {
+        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(WHOLE) };
+        if let Ok(style) = ProgressStyle::with_template("{percent:>3} % [{bar:28}] {eta} left") {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        Self(bar)
+    }
+    /// Shows a share, 0 to 1.
+    pub fn show(&self, share: f64) {
+        self.0.set_position((share * WHOLE as f64) as u64);
+    }
+}
+
+impl Drop for Meter {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}
+
 /// Shows progress until the other end of `done` is dropped.
 pub fn watch(control: &Control, goal: Goal, done: &Receiver<()>) {
     let bar = ProgressBar::new(WHOLE);

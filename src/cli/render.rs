@@ -10,6 +10,7 @@ use super::messages::Console;
 use super::outputs::{self, Written};
 use super::progress::{self, Goal};
 use super::stats::{self, Run};
+use super::trace::{self, Phase};
 use super::units::{counted, per_pixel};
 use std::sync::mpsc;
 use std::thread;
@@ -51,7 +52,8 @@ pub fn run(args: &RenderArgs) -> Result<Exit, Exit> {
     let control = interrupt.start_render();
     let plan = renderer.plan(&settings).map_err(|error| console.fail(&error))?;
     announce(args, &renderer, &settings, &plan, &console);
-    let rendered = trace(&renderer, &settings, control, &console)?;
+    let render_start = Instant::now();
+    let rendered = watch(&renderer, &settings, control, &console)?;
     times.render = rendered.time;
 
     let write_start = Instant::now();
@@ -62,14 +64,25 @@ pub fn run(args: &RenderArgs) -> Result<Exit, Exit> {
     times.write = write_start.elapsed();
     times.total = start.elapsed();
 
-    let run = Run { args, settings: &settings, renderer: &renderer, rendered: &rendered, times: &times };
+    let run = Run { args, settings: &settings, renderer: &renderer, plan: &plan, rendered: &rendered, times: &times };
     let figured = args.stats.as_ref().map_or(Ok(()), |path| output::write_text(path, &stats::text(&run)));
+    let traced = args.trace.as_ref().map_or(Ok(()), |path| {
+        let phases = [
+            Phase { name: "load", start, length: times.load },
+            Phase { name: "build", start: start + times.load, length: times.build },
+            Phase { name: "render", start: render_start, length: times.render },
+            Phase { name: "write", start: write_start, length: times.write },
+        ];
+        output::write_text(path, &trace::text(&rendered.timeline, &phases))
+    });
     closing::show(&run, &files, &console);
     let figured = figured.map_err(|error| console.fail(&error));
+    let traced = traced.map_err(|error| console.fail(&error));
     if interrupt.happened() {
         return Ok(Exit::Interrupted);
     }
     figured?;
+    traced?;
     console.settle()?;
     Ok(if complete { Exit::Done } else { Exit::Fault })
 }
@@ -101,7 +114,7 @@ fn effort(args: &RenderArgs, settings: &Settings) -> String {
 }
 
 /// Renders while another thread shows how far it is.
-fn trace(renderer: &Renderer, settings: &Settings, control: &Control, console: &Console) -> Result<Rendered, Exit> {
+fn watch(renderer: &Renderer, settings: &Settings, control: &Control, console: &Console) -> Result<Rendered, Exit> {
     let world = renderer.world();
     let samples = u64::from(world.width()) * u64::from(world.height()) * u64::from(settings.spp);
     let goal = Goal { samples, time: settings.time, error: settings.target_error };

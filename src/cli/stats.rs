@@ -6,10 +6,10 @@ use super::render::Times;
 use super::units::rate;
 use serde_json::{Number, Value, json};
 use std::fs;
-use std::time::Duration;
 use wavetrace::lanes;
 use wavetrace::probe::StageRow;
 use wavetrace::render::{Rendered, Renderer, Settings};
+use wavetrace::wave::Plan;
 
 /// Samples that were not finite and are named one by one, at most.
 const MAX_NAMED: usize = 100;
@@ -23,6 +23,8 @@ pub struct Run<'a> {
     pub settings: &'a Settings,
     /// The scene.
     pub renderer: &'a Renderer,
+    /// Which stages ran, and how.
+    pub plan: &'a Plan,
     /// What it gave.
     pub rendered: &'a Rendered,
     /// How long it took.
@@ -42,7 +44,7 @@ pub fn text(run: &Run<'_>) -> String {
 }
 
 fn document(run: &Run<'_>) -> Value {
-    let Run { args, settings, renderer, rendered, times } = *run;
+    let Run { args, settings, renderer, plan, rendered, times } = *run;
     let (world, counts) = (renderer.world(), &rendered.counts);
     let bad = rendered.bad.iter().take(MAX_NAMED);
     let bad: Vec<Value> = bad.map(|bad| json!({ "pixel": bad.pixel, "sample": bad.sample })).collect();
@@ -63,6 +65,15 @@ fn document(run: &Run<'_>) -> Value {
         "light_paths": settings.light_paths,
         "integrator": word(args.integrator),
         "wave": settings.wave_size,
+        "tuning": {
+            "bvh": word(args.bvh),
+            "leaf": args.leaf,
+            "job": args.job,
+            "refill": word(args.refill),
+            "camera_rays": word(args.camera_rays),
+            "bounce_rays": word(args.bounce_rays),
+            "sort": word(args.sort),
+        },
         "simd": lanes::simd(),
         "triangles": world.triangles(),
         "dropped_triangles": world.dropped(),
@@ -88,7 +99,7 @@ fn document(run: &Run<'_>) -> Value {
         "cut_throughput": cut_share(rendered),
         "bad_samples": rendered.bad.len(),
         "first_bad_samples": bad,
-        "stages": rendered.stages.iter().map(stage).collect::<Vec<_>>(),
+        "stages": rendered.stages.iter().map(|row| stage(row, plan)).collect::<Vec<_>>(),
         "bytes": {
             "world": world.bytes(),
             "bvh": renderer.bvh().bytes(),
@@ -100,19 +111,27 @@ fn document(run: &Run<'_>) -> Value {
     })
 }
 
-fn stage(row: &StageRow) -> Value {
+fn stage(row: &StageRow, plan: &Plan) -> Value {
+    let seconds = row.time.as_secs_f64();
+    let bytes = plan.stage_bytes(row.stage);
+    let flops_per_byte = plan.stage_flops(row.stage).zip(bytes).map(|(flops, bytes)| flops as f64 / bytes as f64);
+    let last = row.depths.iter().rposition(|depth| depth.items + depth.seconds > 0.0).map_or(0, |last| last + 1);
+    let depths = row.depths[..last]
+        .iter()
+        .enumerate()
+        .map(|(depth, row)| json!({"depth": depth, "items": row.items, "seconds": row.seconds}));
     json!({
         "name": row.stage.name(),
         "calls": row.calls,
         "items": row.items,
-        "seconds": row.time.as_secs_f64(),
+        "seconds": seconds,
         "occupancy": row.occupancy(),
-        "ns_per_item": ns_per_item(row.time, row.items),
+        "ns_per_item": row.ns_per_item(),
+        "bytes_per_item": bytes,
+        "gb_per_s": bytes.map(|bytes| if seconds > 0.0 { bytes as f64 * row.items as f64 / seconds / 1e9 } else { 0.0 }),
+        "flops_per_byte": flops_per_byte,
+        "depths": depths.collect::<Vec<_>>(),
     })
-}
-
-fn ns_per_item(time: Duration, items: u64) -> f64 {
-    if items == 0 { 0.0 } else { time.as_secs_f64() * 1e9 / items as f64 }
 }
 
 /// Throughput of the paths that were cut, over that of all paths at the camera.

@@ -4,10 +4,8 @@
 //! `Path<f32>`, eight as `Path<F32x8>`) and the queue `PathQueue` that holds each field in columns of its own.
 
 mod column;
-
-pub use column::Column;
-
 use crate::lanes::{Lanes, LanesU32, MAX_LANES, Vec3};
+pub use column::Column;
 
 /// Which rows of a queue a group of lanes stands for. Groups shorter than the lanes repeat their last row.
 #[derive(Clone, Copy, Debug)]
@@ -228,6 +226,10 @@ macro_rules! columns {
         impl $queue {
             /// Bytes that one row takes over all columns.
             pub const ROW_BYTES: usize = 0 $(+ <$crate::columns::$kind as $crate::columns::Field>::BYTES)*;
+
+            /// Names and bytes of the columns.
+            pub const COLUMNS: &'static [(&'static str, usize)] =
+                &[$((stringify!($field), <$crate::columns::$kind as $crate::columns::Field>::BYTES),)*];
 
             /// An empty queue with room for `capacity` rows.
             pub fn with_capacity(capacity: usize) -> Self {

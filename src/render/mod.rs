@@ -1,5 +1,6 @@
 //! Rendering a world: settings, jobs, workers, results.
 
+mod merge;
 mod reference;
 mod rounds;
 mod schedule;
@@ -14,7 +15,7 @@ use crate::accel::{BuildOptions, Bvh};
 use crate::error::Result;
 use crate::film::{BadSample, Film};
 use crate::light::Spots;
-use crate::probe::{NoProbe, StageRow, StageTimes};
+use crate::probe::{Event, NoProbe, Probe, StageRow, StageTimes, Timeline};
 use crate::sampling::{Screen, Sobol, Xoshiro};
 use crate::wave::{Context, Counts, Efforts, Plan};
 use crate::world::World;
@@ -85,6 +86,8 @@ pub struct Rendered {
     pub threads: usize,
     /// Times of the stages, summed over threads; empty unless asked for.
     pub stages: Vec<StageRow>,
+    /// What each worker did when, in its order; empty unless asked for.
+    pub timeline: Vec<Vec<Event>>,
     /// Bytes of all workers' queues.
     pub wave_bytes: usize,
     /// Estimated relMSE of the image, where it was asked for.
@@ -105,6 +108,7 @@ impl Rendered {
             time: Duration::ZERO,
             threads: 1,
             stages: Vec::new(),
+            timeline: Vec::new(),
             wave_bytes: 0,
             error: None,
             partial: false,
@@ -121,12 +125,12 @@ impl Rendered {
             self.stages = stages;
             return;
         }
-        for (sum, row) in self.stages.iter_mut().zip(stages) {
-            sum.calls += row.calls;
-            sum.items += row.items;
-            sum.lanes += row.lanes;
-            sum.time += row.time;
-        }
+        self.stages.iter_mut().zip(stages).for_each(|(sum, row)| sum.add(&row));
+    }
+    /// Adds the events of a round, worker by worker.
+    fn add_timeline(&mut self, timeline: Vec<Vec<Event>>) {
+        self.timeline.resize(self.timeline.len().max(timeline.len()), Vec::new());
+        self.timeline.iter_mut().zip(timeline).for_each(|(all, events)| all.extend(events));
     }
     /// Adds the figures of a round, and returns its film.
     fn add(&mut self, round: Self) -> Film {
@@ -136,6 +140,7 @@ impl Rendered {
         self.wave_bytes = round.wave_bytes;
         self.partial |= round.partial;
         self.add_stages(round.stages);
+        self.add_timeline(round.timeline);
         round.film
     }
 }
@@ -177,7 +182,10 @@ impl Renderer {
     /// [`Error::Setting`](crate::Error::Setting) if a setting is out of its range.
     pub fn plan(&self, settings: &Settings) -> Result<Plan> {
         settings.check()?;
-        Ok(Plan::new(&self.world, settings.method, settings.max_depth, settings.wave_size, settings.light_paths))
+        let mut plan =
+            Plan::new(&self.world, settings.method, settings.max_depth, settings.wave_size, settings.light_paths);
+        plan.tuning = settings.tuning;
+        Ok(plan)
     }
     /// Renders. The image depends on the settings' seed, not on threads or wave size, to the bit; where the time decides, on
     /// how many samples it allows.
@@ -206,6 +214,7 @@ impl Renderer {
             for before in [survey, trial] {
                 rendered.counts.add(&before.counts);
                 rendered.add_stages(before.stages);
+                rendered.add_timeline(before.timeline);
             }
             rendered
         };
@@ -226,9 +235,10 @@ impl Renderer {
             seed: SURVEY_SEED,
             screen: Screen::default(),
         };
-        let (arrivals, all) = match settings.time_stages {
-            false => schedule::survey::<NoProbe>(&cx, settings),
-            true => schedule::survey::<StageTimes>(&cx, settings),
+        let (arrivals, all) = match (settings.time_stages, settings.timeline) {
+            (_, true) => schedule::survey::<Timeline>(&cx, settings),
+            (true, false) => schedule::survey::<StageTimes>(&cx, settings),
+            (false, false) => schedule::survey::<NoProbe>(&cx, settings),
         }?;
         Ok((Spots::new(&arrivals, settings.looks()), all))
     }
@@ -241,12 +251,25 @@ impl Renderer {
         film: Film,
         control: &Control,
     ) -> Result<Rendered> {
-        match (settings.sampler, settings.time_stages) {
-            (SamplerKind::Xoshiro, false) => schedule::run::<Xoshiro, NoProbe>(cx, settings, round, film, control),
-            (SamplerKind::Xoshiro, true) => schedule::run::<Xoshiro, StageTimes>(cx, settings, round, film, control),
-            (SamplerKind::Sobol, false) => schedule::run::<Sobol, NoProbe>(cx, settings, round, film, control),
-            (SamplerKind::Sobol, true) => schedule::run::<Sobol, StageTimes>(cx, settings, round, film, control),
+        match (settings.time_stages, settings.timeline) {
+            (_, true) => seen_by::<Timeline>(cx, settings, round, film, control),
+            (true, false) => seen_by::<StageTimes>(cx, settings, round, film, control),
+            (false, false) => seen_by::<NoProbe>(cx, settings, round, film, control),
         }
+    }
+}
+
+/// A round with the sampler of the settings.
+fn seen_by<P: Probe>(
+    cx: &Context<'_>,
+    settings: &Settings,
+    round: &Round<'_>,
+    film: Film,
+    control: &Control,
+) -> Result<Rendered> {
+    match settings.sampler {
+        SamplerKind::Xoshiro => schedule::run::<Xoshiro, P>(cx, settings, round, film, control),
+        SamplerKind::Sobol => schedule::run::<Sobol, P>(cx, settings, round, film, control),
     }
 }
 

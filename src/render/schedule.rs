@@ -3,42 +3,18 @@
 //! Visits of tiles, of one job or a few, are taken off one counter. Their sums reach each pixel in the order of the samples,
 //! whichever thread is first: what arrives early waits.
 
+use super::merge::{Merge, Sums};
 use super::{Control, Integrator, Rendered, Settings, reference};
 use crate::error::{Error, Result};
-use crate::film::{BadSample, Film, Pixel};
+use crate::film::Film;
 use crate::light::Arrival;
-use crate::probe::{Probe, Stage, StageRow};
+use crate::probe::{Probe, Seen, Stage, What};
 use crate::sampling::{Sampler, Sobol};
-use crate::wave::{Context, Counts, Efforts, Grid, Job, LIGHT_JOB, LightWave, Place, Splat, Wave};
-use std::collections::BTreeMap;
+use crate::wave::{Context, Counts, Efforts, Grid, Job, LIGHT_JOB, LightWave, Wave};
 use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
-
-/// What a visit of a tile gave: sums of its pixels, pass after pass.
-#[derive(Clone, Debug, Default)]
-struct Sums {
-    pixels: Vec<Pixel>,
-    bad: Vec<BadSample>,
-}
-
-impl Sums {
-    fn clear(&mut self) {
-        self.pixels.clear();
-        self.bad.clear();
-    }
-    /// Adds a pass.
-    fn accumulate(&mut self, job: &Job, samples: &[[f32; 3]]) {
-        let first = self.pixels.len();
-        self.pixels.resize(first + job.pixels.len(), Pixel::default());
-        for (Place { index, pixel, sample }, &radiance) in job.places(0).zip(samples) {
-            if !self.pixels[first + index].add(radiance) {
-                self.bad.push(BadSample { pixel, sample });
-            }
-        }
-    }
-}
 
 /// What workers write to, once per visit of a tile, on cache lines apart from all that they read.
 #[repr(align(128))]
@@ -46,61 +22,6 @@ struct Shared {
     /// Number of the next visit.
     next: AtomicUsize,
     merge: Mutex<Merge>,
-}
-
-/// The film, and what has come out of order: by tile and visit, or by number of the job of light paths.
-struct Merge {
-    film: Film,
-    bad: Vec<BadSample>,
-    next_visit: Vec<u32>,
-    early: BTreeMap<(usize, u32), (Job, Sums)>,
-    next_light: usize,
-    early_light: BTreeMap<usize, Vec<Splat>>,
-}
-
-impl Merge {
-    /// Adds a visit's sums, or keeps them and the job until it is their turn.
-    fn add(&mut self, visit: u32, job: &mut Job, sums: &mut Sums) {
-        let tile = job.tile;
-        if visit != self.next_visit[tile] {
-            self.early.insert((tile, visit), (std::mem::take(job), std::mem::take(sums)));
-            return;
-        }
-        self.merge(job, sums);
-        while let Some((job, sums)) = self.early.remove(&(tile, self.next_visit[tile])) {
-            self.merge(&job, &sums);
-        }
-    }
-    fn merge(&mut self, job: &Job, sums: &Sums) {
-        for (index, &pixel) in job.pixels.iter().enumerate() {
-            let pixel = self.film.pixel_mut(pixel);
-            for pass in sums.pixels.chunks_exact(job.pixels.len()) {
-                pixel.merge(&pass[index]);
-            }
-        }
-        self.bad.extend_from_slice(&sums.bad);
-        self.next_visit[job.tile] += 1;
-    }
-    /// Adds what a job of light paths brought, or keeps it until it is its turn.
-    fn add_light(&mut self, work: &Order, number: usize, splats: &[Splat]) {
-        if number != self.next_light {
-            self.early_light.insert(number, splats.to_vec());
-            return;
-        }
-        self.merge_light(work, splats);
-        while let Some(splats) = self.early_light.remove(&self.next_light) {
-            self.merge_light(work, &splats);
-        }
-    }
-    fn merge_light(&mut self, work: &Order, splats: &[Splat]) {
-        for splat in splats {
-            if !self.film.splat(splat.pixel, splat.radiance) {
-                self.bad.push(BadSample { pixel: splat.pixel, sample: u32::MAX });
-            }
-        }
-        self.film.count_light_paths(work.light_paths(self.next_light).1 as u64);
-        self.next_light += 1;
-    }
 }
 
 /// All that there is to do, in order: visits of tiles, and between them jobs of light paths, evenly.
@@ -145,7 +66,7 @@ impl Order {
 /// What a worker brings home.
 struct Work {
     counts: Counts,
-    stages: Vec<StageRow>,
+    seen: Seen,
     wave_bytes: usize,
 }
 
@@ -196,18 +117,21 @@ pub(super) fn survey<P: Probe>(cx: &Context<'_>, settings: &Settings) -> Result<
             let job = next.fetch_add(1, Ordering::Relaxed) as u64;
             let first = job * SURVEY_JOB;
             if first >= count {
-                return (found, counts, probe.rows());
+                return (found, counts, probe.seen());
             }
             let paths = (count - first).min(SURVEY_JOB) as usize;
-            found.push((job, crate::wave::survey::<Sobol>(cx, first, paths, &mut probe, &mut counts)));
+            let arrivals =
+                probe.span(What::Survey, |probe| crate::wave::survey::<Sobol>(cx, first, paths, probe, &mut counts));
+            found.push((job, arrivals));
         }
     });
     let mut all = Rendered::of(Film::new(0, 0));
     let mut jobs = Vec::new();
-    for (found, counts, stages) in work {
+    for (found, counts, seen) in work {
         jobs.extend(found);
         all.counts.add(&counts);
-        all.add_stages(stages);
+        all.add_stages(seen.stages);
+        all.timeline.push(seen.events);
     }
     jobs.sort_unstable_by_key(|(job, _)| *job);
     Ok((jobs.into_iter().flat_map(|(_, arrivals)| arrivals).collect(), all))
@@ -223,21 +147,11 @@ pub(super) fn run<S: Sampler, P: Probe>(
 ) -> Result<Rendered> {
     let pool = pool(settings)?;
     let size = [cx.world.width(), cx.world.height()];
-    let grid = Grid::new(size, round.samples.clone(), round.efforts);
+    let grid = Grid::new(size, round.samples.clone(), round.efforts, settings.tuning.job);
     let lights = |samples: u32| (f64::from(cx.plan.light_paths) * f64::from(samples)).round() as u64;
     let lights = if round.counts { lights(round.samples.start)..lights(round.samples.end) } else { 0..0 };
     let order = Order { tiles: grid.tiles(), visits: grid.visits() as usize, lights };
-    let shared = Shared {
-        next: AtomicUsize::new(0),
-        merge: Mutex::new(Merge {
-            film,
-            bad: Vec::new(),
-            next_visit: vec![0; order.tiles],
-            early: BTreeMap::new(),
-            next_light: 0,
-            early_light: BTreeMap::new(),
-        }),
-    };
+    let shared = Shared { next: AtomicUsize::new(0), merge: Mutex::new(Merge::new(film, order.tiles)) };
     let work = pool.broadcast(|_| {
         let mut probe = P::default();
         let mut counts = Counts::default();
@@ -253,13 +167,15 @@ pub(super) fn run<S: Sampler, P: Probe>(
                 Some(Piece::Light { number }) => {
                     let (first, count) = order.light_paths(number);
                     let before = counts.rays();
-                    let splats = match &mut light {
-                        Some(light) => light.run(cx, first, count, &mut probe, &mut counts),
+                    let splats = probe.span(What::Light, |probe| match &mut light {
+                        Some(light) => light.run(cx, first, count, probe, &mut counts),
                         None => reference.light::<S>(cx, first, count, &mut counts),
-                    };
+                    });
                     control.advance(0, counts.rays() - before);
-                    let mut merge = shared.merge.lock().unwrap_or_else(|e| e.into_inner());
-                    merge.add_light(&order, number, splats);
+                    probe.span(What::Merge, |_| {
+                        let mut merge = shared.merge.lock().unwrap_or_else(|e| e.into_inner());
+                        merge.add_light(number, |number| order.light_paths(number).1, splats);
+                    });
                     continue;
                 }
             };
@@ -268,22 +184,26 @@ pub(super) fn run<S: Sampler, P: Probe>(
             for pass in grid.passes(tile, visit) {
                 grid.job(tile, pass, &mut job);
                 let before = counts.rays();
-                let samples = match &mut wave {
-                    Some(wave) => wave.run(cx, &job, &mut probe, &mut counts),
-                    None if settings.integrator == Integrator::Scalar => {
-                        reference.run::<S, true>(cx, &job, &mut counts)
-                    }
-                    None => reference.run::<S, false>(cx, &job, &mut counts),
-                };
-                probe.stage(Stage::Accumulate, samples.len(), || sums.accumulate(&job, samples));
+                probe.span(What::Visit, |probe| {
+                    let samples = match &mut wave {
+                        Some(wave) => wave.run(cx, &job, probe, &mut counts),
+                        None if settings.integrator == Integrator::Scalar => {
+                            reference.run::<S, true>(cx, &job, &mut counts)
+                        }
+                        None => reference.run::<S, false>(cx, &job, &mut counts),
+                    };
+                    probe.stage(Stage::Accumulate, samples.len(), || sums.accumulate(&job, samples));
+                });
                 if round.counts {
                     control.advance(job.paths() as u64, counts.rays() - before);
                 }
             }
-            shared.merge.lock().unwrap_or_else(|e| e.into_inner()).add(visit, &mut job, &mut sums);
+            probe.span(What::Merge, |_| {
+                shared.merge.lock().unwrap_or_else(|e| e.into_inner()).add(visit, &mut job, &mut sums);
+            });
         }
         let wave_bytes = wave.as_ref().map_or(0, |w| w.bytes(cx.plan)) + light.as_ref().map_or(0, |w| w.bytes());
-        Work { counts, stages: probe.rows(), wave_bytes }
+        Work { counts, seen: probe.seen(), wave_bytes }
     });
     let Merge { film, mut bad, next_visit, next_light, .. } =
         shared.merge.into_inner().unwrap_or_else(|e| e.into_inner());
@@ -293,7 +213,8 @@ pub(super) fn run<S: Sampler, P: Probe>(
     for w in work {
         rendered.counts.add(&w.counts);
         rendered.wave_bytes += w.wave_bytes;
-        rendered.add_stages(w.stages);
+        rendered.add_stages(w.seen.stages);
+        rendered.timeline.push(w.seen.events);
     }
     Ok(rendered)
 }

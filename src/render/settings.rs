@@ -2,7 +2,7 @@
 
 use super::rounds::REPLICATES;
 use crate::error::{Error, Result};
-use crate::wave::Method;
+use crate::wave::{Method, Tuning};
 use std::time::Duration;
 
 /// Where random numbers come from.
@@ -66,8 +66,12 @@ pub struct Settings {
     pub light_paths: f32,
     /// Which integrator runs.
     pub integrator: Integrator,
+    /// Choices of speed; where [`Effort::Tiles`] cuts the image its own way, its jobs are no larger than its tiles.
+    pub tuning: Tuning,
     /// Whether the stages are timed.
     pub time_stages: bool,
+    /// Whether it is noted, too, what each worker did when.
+    pub timeline: bool,
 }
 
 impl Default for Settings {
@@ -85,7 +89,9 @@ impl Default for Settings {
             wave_size: DEFAULT_WAVE,
             light_paths: DEFAULT_LIGHT_PATHS,
             integrator: Integrator::Wavefront,
+            tuning: Tuning::default(),
             time_stages: false,
+            timeline: false,
         }
     }
 }

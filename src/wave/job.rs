@@ -19,13 +19,12 @@ impl<'a> Grid<'a> {
     const SAMPLES: u32 = 64;
     /// Passes of a visit at most.
     const PASSES: u32 = 4;
-    /// Paths of a job, if the image allows: enough to fill a wave.
-    const PATHS: u32 = 4096;
 
-    /// Cuts an image of `width` x `height` pixels and these samples of each, as tiles share them out.
-    pub fn new(size: [u32; 2], samples: Range<u32>, efforts: &'a Efforts) -> Self {
+    /// Cuts an image of `size` pixels and these samples of each, as tiles share them out, into jobs of `paths` at least, if
+    /// tiles of 16 to 128 pixels across allow that.
+    pub fn new(size: [u32; 2], samples: Range<u32>, efforts: &'a Efforts, paths: u32) -> Self {
         let most = (samples.len() as u32).clamp(1, Self::SAMPLES);
-        let side = [16, 32, 64].into_iter().find(|s| s * s * most >= Self::PATHS).unwrap_or(64);
+        let side = [16, 32, 64].into_iter().find(|s| s * s * most >= paths).unwrap_or(128);
         let side = if efforts.is_even() { side } else { side.min(Efforts::SIDE) };
         Self { size, samples, efforts, side }
     }
@@ -171,6 +170,7 @@ impl Iterator for Places<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::DEFAULT_JOB;
     use super::*;
 
     #[test]
@@ -181,7 +181,7 @@ mod tests {
         let ranges = [(0, 1), (3, 5), (0, 64), (100, 130), (u32::MAX - 600, 600)].map(|range| (range, &even));
         for ((first, spp), efforts) in ranges.into_iter().chain([((0, 1), &uneven), ((100, 130), &uneven)]) {
             let range = first..first + spp;
-            let grid = Grid::new([77, 41], range.clone(), efforts);
+            let grid = Grid::new([77, 41], range.clone(), efforts, DEFAULT_JOB);
             let of = |i: u32| efforts.samples([i % 77, i / 77], &range);
             let mut seen: Vec<u32> = (0..77 * 41).map(|i| of(i).start).collect();
             let visits = (0..grid.tiles()).flat_map(|t| (0..grid.visits()).map(move |v| (t, v)));
@@ -206,7 +206,7 @@ mod tests {
     fn paths_of_a_tile_of_rays_are_neighbours() {
         for (spp, area) in [(64, 8), (8, 8), (1, 64), (4, 64)] {
             let mut job = Job::default();
-            Grid::new([128, 128], 0..spp, &Efforts::default()).job(0, 0, &mut job);
+            Grid::new([128, 128], 0..spp, &Efforts::default(), DEFAULT_JOB).job(0, 0, &mut job);
             for slot in (0..job.paths()).step_by(64) {
                 let tile: Vec<_> = job.places(slot).take(64).map(|p| p.pixel).collect();
                 let extent = |axis: usize| {

@@ -16,6 +16,7 @@ mod roulette;
 mod route;
 mod shade;
 mod surface;
+mod traffic;
 
 pub use caustic::aim::{Aimed, aim_rows, aims, ratio};
 pub use caustic::{JOB as LIGHT_JOB, LightWave, Reversed, Splat, Splats, light_paths, scatter_rows, survey};
@@ -25,7 +26,7 @@ pub use emit::emitted_radiance;
 pub use escape::background_radiance;
 pub use generate::camera_paths;
 pub use job::{Grid, Job, Place, Places};
-pub use plan::{BOUNCE_LIMIT, Method, Plan, PrevPdf};
+pub use plan::{BOUNCE_LIMIT, DEFAULT_JOB, Method, Plan, PrevPdf, Tuning};
 pub use queues::{First, HitRow, Path, Queues};
 pub use shade::{Shaded, shade_rows};
 
@@ -149,10 +150,12 @@ pub struct Wave<S> {
 impl<S: Sampler> Wave<S> {
     /// A wave for what the plan needs.
     pub fn new(cx: &Context<'_>) -> Self {
+        let mut tracer = Tiles::new();
+        tracer.loose().allow(cx.plan.tuning.streams);
         Self {
             queues: Queues::new(cx.plan),
             aimed: cx.plan.of_aimed_paths(),
-            tracer: Tiles::new(),
+            tracer,
             samples: Samples::default(),
             sampler: PhantomData,
         }
@@ -172,7 +175,8 @@ impl<S: Sampler> Wave<S> {
         let mut next = 0;
         loop {
             let fresh = q.paths.len();
-            let count = refill(plan.wave_size - fresh, job.paths() - next, plan.wave_size);
+            let free = if plan.tuning.refill || fresh == 0 { plan.wave_size - fresh } else { 0 };
+            let count = refill(free, job.paths() - next, plan.wave_size);
             probe.stage(Stage::Generate, count, || {
                 dispatch(Generate { q, cx, sampler: PhantomData::<S>, job, next, count });
             });
@@ -183,7 +187,9 @@ impl<S: Sampler> Wave<S> {
             }
             counts.camera += count as u64;
             counts.bounce += fresh as u64;
-            probe.stage(Stage::Intersect, n, || dispatch(Intersect { q, bvh, tracer, fresh }));
+            probe.wave(q.paths.depths());
+            let loose = if plan.tuning.tiles { fresh } else { n };
+            probe.stage(Stage::Intersect, n, || dispatch(Intersect { q, bvh, tracer, fresh: loose }));
             probe.stage(Stage::Route, n, || dispatch(Route { q, world, plan, counts }));
             if let Some(background) = world.background {
                 probe.stage(Stage::Escape, q.escaped.len(), || dispatch(Escape { q, background, samples }));

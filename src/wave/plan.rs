@@ -17,6 +17,31 @@ pub enum Method {
     Mis,
 }
 
+/// Choices that change the speed, not the image; the default is what measurements say. For experiments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tuning {
+    /// Whether rows of paths that ended are filled with new ones at once; else once all have ended, so that all paths of a
+    /// wave have the same number of bounces.
+    pub refill: bool,
+    /// Whether camera rays are traced in tiles of neighbours; else like those after a bounce.
+    pub tiles: bool,
+    /// Whether other rays are put in order and traced in streams where that pays; else many in flight, in their order.
+    pub streams: bool,
+    /// Whether rows are sorted into lists by kind of surface even where there is one kind alone.
+    pub sort_always: bool,
+    /// Paths of a job at least, where the image has as many.
+    pub job: u32,
+}
+
+impl Default for Tuning {
+    fn default() -> Self {
+        Self { refill: true, tiles: true, streams: true, sort_always: false, job: DEFAULT_JOB }
+    }
+}
+
+/// Paths of a job at least unless set: enough to fill a wave.
+pub const DEFAULT_JOB: u32 = 4096;
+
 /// Bounces after which a path is cut in any case, so that a lossless scene ends too. What is lost is reported.
 pub const BOUNCE_LIMIT: u32 = 4096;
 
@@ -56,6 +81,8 @@ pub struct Plan {
     pub max_depth: u32,
     /// Paths in flight per worker.
     pub wave_size: usize,
+    /// Choices of speed.
+    pub tuning: Tuning,
     method: Method,
 }
 
@@ -86,6 +113,7 @@ impl Plan {
             transmit: kinds.contains(&Kind::Transparent),
             max_depth,
             wave_size,
+            tuning: Tuning::default(),
             method,
             kinds,
         }
@@ -119,7 +147,7 @@ impl Plan {
     }
     /// Whether all surfaces that scatter are of one kind, so that their rows need no list.
     pub fn sole_kind(&self) -> bool {
-        self.kinds.len() == 1
+        self.kinds.len() == 1 && !self.tuning.sort_always
     }
 }
 

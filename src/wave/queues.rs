@@ -26,6 +26,10 @@ columns! {
 }
 
 impl PathQueue {
+    /// How many bounces each path has.
+    pub(super) fn depths(&self) -> &[u32] {
+        &self.depth[..self.len]
+    }
     /// [`Self::put`] before shading: where rays began, and with which density, is made anew there.
     #[inline(always)]
     pub(super) fn put_unshaded<W: Wide>(&mut self, at: usize, bits: u32, path: Path<W>) {
@@ -218,23 +222,6 @@ impl Queues {
         if let Some(firsts) = &mut self.firsts {
             firsts.truncate(len);
         }
-    }
-}
-
-impl Plan {
-    /// Bytes that one path takes in all queues.
-    pub fn path_bytes(&self) -> usize {
-        let kinds = if self.sole_kind() { 0 } else { self.kinds.len() };
-        let lists = kinds + usize::from(self.emit) + usize::from(self.escape);
-        PathQueue::ROW_BYTES
-            + HitQueue::ROW_BYTES
-            + if self.transmit { ScaleQueue::ROW_BYTES } else { 0 }
-            + if self.receivers { NormalQueue::ROW_BYTES } else { 0 }
-            + if self.caustics() { FirstQueue::ROW_BYTES + self.of_aimed_paths().path_bytes() } else { 0 }
-            + if self.connect { ShadowQueue::ROW_BYTES } else { 0 }
-            + lists * size_of::<u32>()
-            // Its bits among those that go on and those that nothing blocks, rounded up.
-            + 1
     }
 }
 

@@ -168,9 +168,17 @@ impl World {
     pub fn placement(&self) -> (DVec3, f64) {
         (self.centre, self.scale)
     }
+    /// Names of the columns and the bytes that each holds; what the scene lacks holds none.
+    pub fn columns(&self) -> [(&'static str, usize); 4] {
+        [
+            ("corners", self.corners.len() * 36),
+            ("lobes", self.corners.len() * 4),
+            ("normals", self.normals.as_ref().map_or(0, |n| n.len() * 36)),
+            ("lights", self.lights.bytes()),
+        ]
+    }
     /// Bytes held by the columns.
     pub fn bytes(&self) -> usize {
-        let normals = self.normals.as_ref().map_or(0, |n| n.len() * 36);
-        self.corners.len() * (36 + 4) + normals + self.lights.bytes()
+        self.columns().iter().map(|(_, bytes)| bytes).sum()
     }
 }

@@ -106,7 +106,10 @@ fn render(path: &Path) -> Result<()> {
     if resized.is_err() || world.triangles() > SMALL {
         return Ok(());
     }
-    let renderer = Renderer::with_options(world, &BuildOptions { quality: Quality::default(), threads: 1 })?;
+    let renderer = Renderer::with_options(
+        world,
+        &BuildOptions { quality: Quality::default(), threads: 1, ..BuildOptions::default() },
+    )?;
     let settings = Settings { threads: 1, wave_size: 64, time: Duration::MAX, ..Settings::default() };
     renderer.render(&settings, &Control::default()).map(drop)
 }

@@ -60,7 +60,7 @@ fn run() -> Finding {
         deep = if depth < ENDLESS { deep.max(depth) } else { deep };
         for quality in [Quality::Fast, Quality::Balanced, Quality::Best] {
             let start = Instant::now();
-            let bvh = Bvh::build_with(corners, &BuildOptions { quality, threads: 0 }).unwrap();
+            let bvh = Bvh::build_with(corners, &BuildOptions { quality, threads: 0, ..BuildOptions::default() }).unwrap();
             slowest = slowest.max(start.elapsed().as_secs_f64());
             assert!(bvh.stack_bound() <= 512, "{name}, {quality:?}: {}", bvh.stack_bound());
             deepest = deepest.max(bvh.stack_bound());

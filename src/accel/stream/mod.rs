@@ -56,6 +56,7 @@ pub struct Streams {
     many: Many,
     /// Rays yet to go to kernel B at once, where nearest hits and where any are looked for.
     direct: [usize; 2],
+    allowed: bool,
 }
 
 impl Default for Streams {
@@ -68,6 +69,7 @@ impl Default for Streams {
             waiting: Vec::with_capacity(WAITING),
             many: Many::new(),
             direct: [0; 2],
+            allowed: true,
         }
     }
 }
@@ -76,6 +78,11 @@ impl Streams {
     /// Room for any batch; lists of a tree's deeper levels are added when a batch first gets there.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// Whether streams are tried at all; else kernel B traces everything.
+    pub fn allow(&mut self, streams: bool) {
+        self.allowed = streams;
     }
 
     /// Forgets what earlier batches showed of whether streams pay.
@@ -93,7 +100,7 @@ impl BatchTracer for Streams {
         rays: &(impl RaySource + ?Sized),
         mut found: impl FnMut(usize, Hit),
     ) {
-        if bvh.is_empty() || ANY && bvh.bytes() >= LARGE {
+        if bvh.is_empty() || !self.allowed || ANY && bvh.bytes() >= LARGE {
             self.many.trace::<W, ANY>(bvh, count, rays, found);
             return;
         }

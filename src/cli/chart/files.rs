@@ -5,6 +5,7 @@ use super::summary;
 use super::sweep::{SHOWN_SEED, Sweep};
 use super::work::Outcome;
 use crate::cli::Exit;
+use crate::cli::facts;
 use crate::cli::units::{bytes, count, counted, per_pixel, time};
 use std::fs;
 use wavetrace::chart::number::figure;
@@ -56,7 +57,7 @@ pub fn write(results: &Results<'_>) -> Result<Exit, Exit> {
         legend,
         galleries: galleries(results).map_err(|error| console.fail(&error))?,
         facts: facts(results),
-        command: super::command(),
+        command: facts::command(),
     };
     let fail = |error| console.fail(&error);
     output::write_text(&folder.svg(), &svg).map_err(fail)?;
@@ -109,12 +110,8 @@ fn galleries(results: &Results<'_>) -> LibraryResult<Vec<Gallery>> {
 fn facts(results: &Results<'_>) -> Vec<(String, String)> {
     let Results { sweep, setup, ladders, outcome, .. } = *results;
     let (build, machine, args) = (&setup.build, &setup.machine, sweep.args);
-    let commit = build.commit.map_or_else(String::new, |commit| format!(", commit {commit}"));
-    let mut facts = vec![
-        ("program".to_owned(), format!("wavetrace {}{commit}", build.version)),
-        ("build".to_owned(), format!("{}, {}, SIMD: {}", build.profile, build.compiler, build.simd)),
-        ("processor".to_owned(), format!("{}, {} available", machine.cpu, counted(machine.cores as u64, "core"))),
-        ("system".to_owned(), machine.system.clone()),
+    let mut facts = facts::machine(build, machine);
+    facts.extend([
         ("threads".to_owned(), setup.threads.to_string()),
         ("bounces".to_owned(), setup.max_depth.map_or("ended by roulette".to_owned(), |n| format!("at most {n}"))),
         ("seeds".to_owned(), format!("1 to {}", args.seeds)),
@@ -123,7 +120,7 @@ fn facts(results: &Results<'_>) -> Vec<(String, String)> {
             "wall time of the render alone, its threads started and ended in it; load, build and figures are not"
                 .to_owned(),
         ),
-    ];
+    ]);
     for (i, subject) in sweep.subjects.iter().enumerate() {
         let (world, (width, height)) = (subject.renderer.world(), subject.size());
         let about = format!(
@@ -148,19 +145,13 @@ fn facts(results: &Results<'_>) -> Vec<(String, String)> {
     for path in &args.import {
         facts.push(("imported".to_owned(), path.display().to_string()));
     }
-    facts.push(("page made".to_owned(), local_time()));
+    facts.push(("page made".to_owned(), facts::local_time()));
     facts.push(("rows".to_owned(), count(outcome.rows.len() as u64)));
     facts
 }
 
 fn listed(numbers: &[u32]) -> String {
     numbers.iter().map(|&n| count(u64::from(n))).collect::<Vec<_>>().join(" ")
-}
-
-/// Date and time of day, to the minute.
-fn local_time() -> String {
-    let now = output::local_now();
-    format!("{} {:02}:{:02}", now.date(), now.hour(), now.minute())
 }
 
 /// What the images of a scene are held against.

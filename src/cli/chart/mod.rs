@@ -15,7 +15,6 @@ use super::Exit;
 use super::interrupt::Interrupt;
 use super::messages::Console;
 use super::units::counted;
-use std::env;
 use sweep::{Stop, Sweep};
 use wavetrace::chart::curve::labels;
 use wavetrace::chart::{Folder, Imported, row};
@@ -73,30 +72,4 @@ pub fn run(args: &ChartArgs) -> Result<Exit, Exit> {
         return Ok(Exit::Interrupted);
     }
     Ok(done)
-}
-
-/// The command line as one would type it.
-fn command() -> String {
-    let words = env::args_os().skip(1).map(|word| quoted(&word.to_string_lossy()));
-    std::iter::once("wavetrace".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
-}
-
-/// A word as a shell takes it.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=+@%".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', r"'\''"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_are_quoted_where_a_shell_needs_it() {
-        assert_eq!(quoted("scenes/a-b_1.json"), "scenes/a-b_1.json");
-        assert_eq!(["a b", "", "it's", "$x", "ä"].map(quoted), ["'a b'", "''", r"'it'\''s'", "'$x'", "'ä'"]);
-    }
 }

@@ -108,6 +108,6 @@ impl Sweep<'_> {
                 "seconds_build": subject.build.as_secs_f64(),
             })
         };
-        json!({ "command": super::command(), "scenes": self.subjects.iter().map(scene).collect::<Vec<_>>() })
+        json!({ "command": crate::cli::facts::command(), "scenes": self.subjects.iter().map(scene).collect::<Vec<_>>() })
     }
 }

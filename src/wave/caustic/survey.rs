@@ -18,6 +18,10 @@ use crate::wave::{Context, Counts};
 use crate::world::World;
 use std::marker::PhantomData;
 
+/// Bounces after which a path shows nothing any more: between lossless mirrors it would go on to the limit of all paths, and
+/// what so few of them find is found without knowing where to look.
+const MOST_BOUNCES: u32 = 256;
+
 /// Follows the light paths from number `first` on, `count` of them, over mirrors and glass to the first other surface.
 /// Where they arrive, in their order.
 pub fn survey<S: Sampler>(
@@ -28,7 +32,9 @@ pub fn survey<S: Sampler>(
     counts: &mut Counts,
 ) -> Vec<Arrival> {
     let Context { world, bvh, seed, .. } = *cx;
-    let plan = &cx.plan.of_light_paths();
+    let mut plan = cx.plan.of_light_paths();
+    plan.max_depth = plan.max_depth.min(MOST_BOUNCES);
+    let plan = &plan;
     let q = &mut Queues::new(plan);
     // Nothing is connected to the camera.
     let to_camera = &mut SplatQueue::with_capacity(0);

@@ -1,21 +1,31 @@
 //! `wavetrace bench rays`: rays per second on sets of rays, and their files.
 
-use super::Exit;
 use super::args::RaysArgs;
-use super::messages::Console;
-use super::units::{bytes, count, counted, time};
+use crate::cli::Exit;
+use crate::cli::messages::Console;
+use crate::cli::units::{bytes, count, counted, time};
 use serde_json::{Map, Value, json};
+use std::cell::RefCell;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use wavetrace::accel::Bvh;
-use wavetrace::bench::{self, HitRecord, RaySet, SetKind, Timing, Tracer, View, files, mesh};
+use wavetrace::bench::{self, Figure, HitRecord, RaySet, SetKind, Tracer, View, files, mesh};
 use wavetrace::error::{Error, Result as LibraryResult};
 use wavetrace::lanes;
 use wavetrace::output;
 
 /// Share of the threads by which the busy CPUs may differ from them on a quiet machine.
 const DISTURBED: f64 = 0.05;
+
+/// What was measured on a set.
+struct Timing {
+    kind: SetKind,
+    rays: usize,
+    /// How many of them hit something.
+    hits: usize,
+    figure: Figure,
+}
 
 /// What was measured, and on what.
 struct Report<'a> {
@@ -61,17 +71,26 @@ fn measure<'a>(args: &'a RaysArgs, console: &Console) -> LibraryResult<Report<'a
             (sets, Some(view))
         }
     };
-    let results = bench::measure(&tracer, &sets, args.repeats as usize);
+    let (sets, empty): (Vec<_>, Vec<_>) = sets.into_iter().partition(|set| !set.rays.is_empty());
+    let hits: Vec<_> = sets.iter().map(|set| RefCell::new(vec![HitRecord::MISS; set.rays.len()])).collect();
+    let pairs = sets.iter().zip(&hits);
+    let cases = pairs.map(|(set, hits)| bench::trace(set.kind.name().to_owned(), tracer, set, hits)).collect();
+    let figures = bench::measure(cases, args.repeats as usize, |_| true);
+    let hits: Vec<_> = hits.into_iter().map(RefCell::into_inner).collect();
     if let Some(folder) = &args.dump {
-        for (set, (_, hits)) in sets.iter().zip(&results) {
-            dump(folder, set, hits)?;
-        }
+        sets.iter().zip(&hits).try_for_each(|(set, hits)| dump(folder, set, hits))?;
+        empty.iter().try_for_each(|set| dump(folder, set, &[]))?;
     }
-    let (timings, empty): (Vec<_>, Vec<_>) =
-        results.into_iter().map(|(timing, _)| timing).partition(|timing| timing.rays > 0);
-    for timing in empty {
-        console.warn(format_args!("{}: found no rays, left out of the report", timing.kind.name()));
+    for set in empty {
+        console.warn(format_args!("{}: found no rays, left out of the report", set.kind.name()));
     }
+    let timing = |((set, hits), figure): ((&RaySet, Vec<HitRecord>), Figure)| Timing {
+        kind: set.kind,
+        rays: set.rays.len(),
+        hits: hits.iter().filter(|hit| hit.is_some()).count(),
+        figure,
+    };
+    let timings = sets.iter().zip(hits).zip(figures).map(timing).collect();
     Ok(Report { args, triangles: corners.len(), bvh_bytes: bvh.bytes(), build, view, timings })
 }
 
@@ -133,10 +152,10 @@ impl Report<'_> {
                 t.kind.name(),
                 count(t.rays as u64),
                 count(t.hits as u64),
-                t.median(),
-                t.best(),
-                100.0 * t.spread(),
-                t.busy.map_or("?".to_owned(), |busy| format!("{busy:.2}")),
+                t.figure.median(),
+                t.figure.best(),
+                100.0 * t.figure.spread(),
+                t.figure.busy.map_or("?".to_owned(), |busy| format!("{busy:.2}")),
             );
         }
         text
@@ -148,10 +167,10 @@ impl Report<'_> {
             let figures = json!({
                 "rays": t.rays,
                 "hits": t.hits,
-                "mrays_per_s": t.median(),
-                "best": t.best(),
-                "repeats": t.mrays_per_s,
-                "busy_cpus": t.busy,
+                "mrays_per_s": t.figure.median(),
+                "best": t.figure.best(),
+                "repeats": t.figure.values,
+                "busy_cpus": t.figure.busy,
             });
             (t.kind.name().to_owned(), figures)
         };
@@ -175,7 +194,7 @@ impl Report<'_> {
     fn warn(&self, console: &Console) {
         let threads = f64::from(self.args.threads);
         for t in &self.timings {
-            if let Some(busy) = t.busy.filter(|busy| (busy - threads).abs() > DISTURBED * threads) {
+            if let Some(busy) = t.figure.busy.filter(|busy| (busy - threads).abs() > DISTURBED * threads) {
                 console.warn(format_args!(
                     "{}: {busy:.2} CPUs were busy with {}: other work disturbs the timing",
                     t.kind.name(),

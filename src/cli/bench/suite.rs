@@ -1,0 +1,137 @@
+//! The standard suite: measures, keeps, compares.
+
+use super::args::SuiteArgs;
+use super::saved::{self, Saved};
+use super::table;
+use crate::cli::Exit;
+use crate::cli::messages::Console;
+use crate::cli::progress::Meter;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::{env, fs, thread};
+use wavetrace::bench::suite::{Part, Suite};
+use wavetrace::bench::verdict::{self, Compared, Verdict};
+use wavetrace::bench::{Figure, Unit};
+use wavetrace::chart::Build;
+use wavetrace::error::{Error, Result as LibraryResult};
+use wavetrace::output;
+
+/// Figures of how many shares of the threads may be idle before others are told to disturb them.
+const DISTURBED: f64 = 0.1;
+
+/// Measures, shows the figures, keeps them and compares them as the user wants.
+pub fn run(args: &SuiteArgs) -> Result<Exit, Exit> {
+    let console = Console::new(args.quiet, false);
+    let fail = |error: Error| console.fail(&error);
+    let threads = args.threads.map_or_else(|| thread::available_parallelism().map_or(1, usize::from), |n| n as usize);
+    let before = args.against.as_deref().map(|name| Saved::read(saved::path(name))).transpose().map_err(fail)?;
+    if let Some(before) = &before {
+        let differences = before.differences(&saved::document(args, threads, &[]));
+        if !differences.is_empty() && !args.force {
+            differences.iter().for_each(|line| console.error(line));
+            console.note("figures of different machines or builds tell nothing of the program; --force compares them");
+            return Err(Exit::Fault);
+        }
+        differences.iter().for_each(|line| console.warn(line));
+    }
+    let save = args.save.as_deref().map(saved::path);
+    if let Some(path) = &save {
+        output::check_writable_text(path).map_err(fail)?;
+    }
+    if Build::this().profile != "release" {
+        console.warn("this is no release build: its figures say little");
+    }
+
+    let figures = measure(args, threads, &console).map_err(fail)?;
+    let mut document = saved::document(args, threads, &figures);
+    // What was measured is kept before anything else can go wrong.
+    if let Some(path) = &save {
+        output::write_text(path, &format!("{document:#}\n")).map_err(fail)?;
+        console.line(format_args!("wrote {}", path.display()));
+    }
+    let compared = before.as_ref().map(|before| compare(args, before, &figures));
+    if args.json {
+        if let Some((all, drift)) = &compared {
+            document["compared"] = compared_json(all, *drift);
+        }
+        console.answer(format_args!("{document:#}"))?;
+    } else {
+        console.answer(table::report(&figures))?;
+        if let (Some((all, drift)), Some(before)) = (&compared, &before) {
+            console.answer(format_args!("\nagainst {}, version {}", before.path.display(), before.build()))?;
+            console.answer(table::comparison(all, *drift, args.tolerance))?;
+        }
+    }
+    warn(&console, threads, &figures);
+    let slower = compared.is_some_and(|(all, _)| all.iter().any(|c| c.verdict == Verdict::Slower));
+    Ok(if slower { Exit::Slower } else { Exit::Done })
+}
+
+fn measure(args: &SuiteArgs, threads: usize, console: &Console) -> LibraryResult<Vec<Figure>> {
+    let parts = if args.only.is_empty() { Part::ALL.to_vec() } else { args.only.clone() };
+    let scenes = if parts.contains(&Part::Scenes) { scenes(args)? } else { Vec::new() };
+    let own = |source| Error::Io { file: PathBuf::from("wavetrace"), action: "find this program", source };
+    let suite = Suite {
+        parts,
+        scenes,
+        program: env::current_exe().map_err(own)?,
+        up_to: args.up_to as usize,
+        threads,
+        repeats: args.repeats as usize,
+    };
+    let meter = Meter::new(console.is_quiet());
+    suite.run(|share| {
+        meter.show(share);
+        true
+    })
+}
+
+/// The scene files of the folder, by name.
+fn scenes(args: &SuiteArgs) -> LibraryResult<Vec<PathBuf>> {
+    let folder = &args.scenes;
+    let fault = |source| Error::Io { file: folder.clone(), action: "look for scenes in", source };
+    let entries = fs::read_dir(folder).map_err(fault)?.collect::<Result<Vec<_>, _>>().map_err(fault)?;
+    let mut files: Vec<PathBuf> = entries.into_iter().map(|entry| entry.path()).collect();
+    files.retain(|path| path.extension().is_some_and(|ending| ending == "json"));
+    files.sort();
+    if files.is_empty() {
+        let reason = "found no scene, expected .json files (the scenes of a checkout are in its folder `scenes`; \
+                      --only leaves parts out)";
+        return Err(Error::Output { file: folder.clone(), reason: reason.to_owned() });
+    }
+    Ok(files)
+}
+
+/// Each figure that both have, and how the machine has changed.
+fn compare(args: &SuiteArgs, before: &Saved, figures: &[Figure]) -> (Vec<Compared>, (f64, f64)) {
+    let drift = verdict::drift(&before.figures, figures);
+    let yardstick = |f: &&Figure| f.name.starts_with(Part::Machine.name());
+    let speeds = figures.iter().filter(|f| f.unit != Unit::Percent && !yardstick(f));
+    let pairs = speeds.filter_map(|f| Some((before.figures.iter().find(|b| b.name == f.name && b.unit == f.unit)?, f)));
+    (pairs.map(|(before, after)| verdict::compare(before, after, drift, args.tolerance / 100.0)).collect(), drift)
+}
+
+fn compared_json(all: &[Compared], drift: (f64, f64)) -> Value {
+    let one = |c: &Compared| {
+        json!({
+            "name": c.name,
+            "speed": c.ratio,
+            "interval": [c.interval.0, c.interval.1],
+            "verdict": c.verdict.name(),
+        })
+    };
+    json!({"machine_speed": [drift.0, drift.1], "figures": all.iter().map(one).collect::<Vec<_>>()})
+}
+
+/// Figures that other programs have disturbed. Of those that use all threads, whole renders tell best.
+fn warn(console: &Console, threads: usize, figures: &[Figure]) {
+    let renders = figures.iter().filter(|f| f.unit == Unit::Mrays && f.name.starts_with("scene/"));
+    let busy: Vec<f64> = renders.filter_map(|f| f.busy).collect();
+    if let Some(least) =
+        busy.iter().copied().reduce(f64::min).filter(|least| *least < (1.0 - DISTURBED) * threads as f64)
+    {
+        console.warn(format_args!(
+            "renders kept only {least:.2} CPUs busy with {threads} threads at the worst: other work disturbs the timing"
+        ));
+    }
+}
