@@ -75,6 +75,7 @@ pub mod columns;
 pub mod error;
 pub mod film;
 pub mod ids;
+pub mod input;
 pub mod lanes;
 pub mod light;
 pub mod linear;

@@ -14,6 +14,7 @@ const LAYERS: &[(&str, u32)] = &[
     ("linear", 0),
     ("ids", 0),
     ("error", 0),
+    ("input", 0),
     ("probe", 0),
     ("sampling", 1),
     ("film", 1),
@@ -40,12 +41,15 @@ const EXCEPTIONS: &[(&str, &str)] = &[];
 /// Finer than the layers: what each of these may use within its own layer or at all.
 const ONLY: &[(&str, &[&str])] = &[
     ("accel", &["lanes", "columns", "ids", "error", "probe"]),
-    ("scene", &["error", "world", "camera", "linear"]),
+    ("scene", &["error", "input", "world", "camera", "linear"]),
     ("report", &["error", "film"]),
-    ("chart", &["lanes", "error", "film", "render", "output", "report"]),
+    ("chart", &["lanes", "error", "input", "film", "render", "output", "report"]),
     (
         "bench",
-        &["lanes", "columns", "linear", "error", "probe", "sampling", "world", "accel", "render", "scene", "output"],
+        &[
+            "lanes", "columns", "linear", "error", "input", "probe", "sampling", "world", "accel", "render", "scene",
+            "output",
+        ],
     ),
 ];
 

@@ -1,9 +1,9 @@
 //! Rays and hits in files: little-endian records without a header, `SET.rays` and `SET.hits` in the same order.
 
 use crate::error::{Error, Result};
+use crate::input;
 use crate::output;
 use bytemuck::{Pod, Zeroable};
-use std::fs;
 use std::path::Path;
 
 /// A ray of a `.rays` file: points `origin + t direction` for t in (`t_min`, `t_max`).
@@ -97,7 +97,8 @@ pub fn write_hits(path: &Path, hits: &[HitRecord]) -> Result<()> {
 }
 
 fn read<T: Pod>(path: &Path) -> Result<Vec<T>> {
-    let mut bytes = fs::read(path).map_err(|source| Error::Io { file: path.to_owned(), action: "read", source })?;
+    let mut bytes =
+        input::regular(path).map_err(|source| Error::Io { file: path.to_owned(), action: "read", source })?;
     if !bytes.len().is_multiple_of(size_of::<T>()) {
         let reason = format!("found {} bytes, expected a multiple of {}", bytes.len(), size_of::<T>());
         return Err(Error::Output { file: path.to_owned(), reason });
@@ -125,6 +126,7 @@ fn turn_words(bytes: &mut [u8]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     fn ray(i: f32) -> RayRecord {
         RayRecord { origin: [i, 1.0, -2.0], t_min: 0.0, direction: [0.5, i, 3.0], t_max: f32::INFINITY }

@@ -1,10 +1,10 @@
 //! Measurements as a table in CSV: one row per render. The only file that names the crate `csv`.
 
 use crate::error::{Error, Problem, Result};
+use crate::input;
 use crate::output;
 use csv::{ReaderBuilder, StringRecord, Terminator, WriterBuilder};
 use std::collections::HashMap;
-use std::fs;
 use std::path::Path;
 
 /// The columns in the order in which they are written.
@@ -42,7 +42,7 @@ pub struct Row {
 /// # Errors
 /// [`Error::Io`] where the file cannot be read, [`Error::Scene`] with all mistakes in it, each with its line and column.
 pub fn read(path: &Path) -> Result<Vec<Row>> {
-    let bytes = fs::read(path).map_err(|source| Error::Io { file: path.to_owned(), action: "read", source })?;
+    let bytes = input::regular(path).map_err(|source| Error::Io { file: path.to_owned(), action: "read", source })?;
     let text = match std::str::from_utf8(&bytes) {
         Ok(text) => text,
         Err(error) => {
@@ -233,6 +233,7 @@ impl Fields<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     fn row(spp: u64, seed: u64) -> Row {
         Row {

@@ -3,9 +3,9 @@
 use super::machine::{Build, Machine};
 use crate::error::{Error, Problem, Result};
 use crate::film::Image;
+use crate::input;
 use crate::output;
 use serde_json::{Map, Value, json};
-use std::fs;
 use std::path::Path;
 
 /// Of what kind the document is; another layout would get another number.
@@ -125,7 +125,7 @@ impl Setup {
 /// # Errors
 /// [`Error::Io`] where it cannot be read, [`Error::Scene`] where it is no JSON.
 pub fn read(path: &Path) -> Result<Option<Value>> {
-    let bytes = match fs::read(path) {
+    let bytes = match input::regular(path) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
         Err(source) => return Err(Error::Io { file: path.to_owned(), action: "read", source }),
@@ -195,6 +195,7 @@ fn plain(value: &Value) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     fn setup() -> Setup {
         let scene = |name: &str| SceneSetup {

@@ -4,8 +4,10 @@
 //! `Path<f32>`, eight as `Path<F32x8>`) and the queue `PathQueue` that holds each field in columns of its own.
 
 mod column;
-use crate::lanes::{Lanes, LanesU32, MAX_LANES, Vec3};
+
 pub use column::Column;
+
+use crate::lanes::{Lanes, LanesU32, MAX_LANES, Vec3};
 
 /// Which rows of a queue a group of lanes stands for. Groups shorter than the lanes repeat their last row.
 #[derive(Clone, Copy, Debug)]
@@ -250,10 +252,6 @@ macro_rules! columns {
             pub fn clear(&mut self) {
                 self.len = 0;
             }
-            /// The rows in groups of eight.
-            pub fn groups(&self) -> impl Iterator<Item = $crate::columns::Rows> + use<> {
-                $crate::columns::groups(self.len)
-            }
             /// Reads a group of rows.
             #[inline(always)]
             pub fn gather<L: $crate::lanes::Lanes>(&self, rows: &$crate::columns::Rows) -> $row<L> {
@@ -294,11 +292,6 @@ macro_rules! columns {
 }
 pub(crate) use columns;
 
-/// The rows 0..len in groups of eight.
-pub fn groups(len: usize) -> impl Iterator<Item = Rows> {
-    (0..len).step_by(MAX_LANES).map(move |first| Rows::range(first, MAX_LANES.min(len - first)))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -337,7 +330,5 @@ mod tests {
         packed.append::<F32x8>(0b1001_0010, eight);
         let slots: Vec<u32> = (0..packed.len()).map(|i| packed.slot::<f32>(&Rows::range(i, 1))).collect();
         assert_eq!(slots, [5, 8, 11]);
-        let covered: usize = q.groups().map(|g| g.count()).sum();
-        assert_eq!(covered, 17);
     }
 }

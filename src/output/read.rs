@@ -12,6 +12,7 @@ use std::{
 use super::{Format, Image, Metadata, exr, hdr, png, ppm};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
+use crate::input::MAX_STREAM;
 
 /// Bytes by which formats are told apart.
 const HEAD: usize = 16;
@@ -19,8 +20,6 @@ const HEAD: usize = 16;
 const PIXELS_PER_BYTE: u64 = 8;
 /// Shorter files may have as many pixels as one of this length: 2^23, more than 3840x2160.
 const SMALL_FILE: u64 = 1 << 20;
-/// Most bytes of what is no regular file and may have no end.
-const MAX_STREAM: u64 = 1 << 28;
 const FORMATS: &str = "a PNG, PPM (P3 or P6), OpenEXR or Radiance HDR image";
 
 /// What an image file holds.

@@ -3,7 +3,7 @@
 mod timeline;
 mod times;
 
-pub use timeline::{Event, Timeline, What, thin};
+pub use timeline::{Clock, Event, What, thin};
 pub use times::{DEPTHS, DepthRow, StageRow, StageTimes};
 
 /// A stage of the wave loop, in the order in which they run.
@@ -75,7 +75,9 @@ impl Stage {
 }
 
 /// Sees every stage run.
-pub trait Probe: Default + Send {
+pub trait Probe: Sized + Send {
+    /// Has seen nothing; `timeline` asks for events.
+    fn new(timeline: bool) -> Self;
     /// Runs `work` on `items` rows as stage `stage`.
     fn stage<T>(&mut self, stage: Stage, items: usize, work: impl FnOnce() -> T) -> T;
     /// Runs work that holds stages, or none.
@@ -106,6 +108,10 @@ pub struct Seen {
 pub struct NoProbe;
 
 impl Probe for NoProbe {
+    #[inline(always)]
+    fn new(_timeline: bool) -> Self {
+        Self
+    }
     #[inline(always)]
     fn stage<T>(&mut self, _stage: Stage, _items: usize, work: impl FnOnce() -> T) -> T {
         work()

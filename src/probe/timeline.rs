@@ -1,4 +1,4 @@
-//! What a worker did when: for timelines.
+//! The clock in the stages: what they took, and for timelines what a worker did when.
 
 use super::{Probe, Seen, Stage, StageTimes};
 use std::time::{Duration, Instant};
@@ -49,10 +49,11 @@ pub struct Event {
 /// Events of a worker that are kept at most; beyond, stages are kept in every second span only, then in every fourth.
 const MOST: usize = 1 << 17;
 
-/// Notes when everything began and how long it took, and what [`StageTimes`] does.
+/// Sums up the time of each stage; where a timeline is asked for, notes when everything began and how long it took, too.
 #[derive(Clone, Debug, Default)]
-pub struct Timeline {
+pub struct Clock {
     times: StageTimes,
+    timeline: bool,
     events: Vec<Event>,
     /// Number of the span of work, and how many go on.
     span: u32,
@@ -61,7 +62,16 @@ pub struct Timeline {
     sparse: u32,
 }
 
-impl Timeline {
+impl Clock {
+    /// Notes that a stage ran, which began at `start`. Out of line: there are many calls, each once in a batch.
+    #[inline(never)]
+    fn note(&mut self, stage: Stage, items: usize, start: Instant) {
+        let length = start.elapsed();
+        self.times.note(stage, items, length);
+        if self.timeline && items > 0 && self.span.trailing_zeros() >= self.sparse {
+            self.push(Event { what: What::Stage(stage), start, length, items: items as u32, span: self.span });
+        }
+    }
     fn push(&mut self, event: Event) {
         self.events.push(event);
         while self.events.len() > MOST && self.sparse < 31 {
@@ -92,20 +102,21 @@ pub fn thin(events: &mut Vec<Event>, most: usize) {
     }
 }
 
-impl Probe for Timeline {
+impl Probe for Clock {
+    fn new(timeline: bool) -> Self {
+        Self { timeline, ..Self::default() }
+    }
     #[inline(always)]
     fn stage<T>(&mut self, stage: Stage, items: usize, work: impl FnOnce() -> T) -> T {
         let start = Instant::now();
         let result = work();
-        let length = start.elapsed();
-        self.times.note(stage, items, length);
-        if items > 0 && self.span.trailing_zeros() >= self.sparse {
-            self.push(Event { what: What::Stage(stage), start, length, items: items as u32, span: self.span });
-        }
+        self.note(stage, items, start);
         result
     }
-    #[inline(always)]
     fn span<T>(&mut self, what: What, work: impl FnOnce(&mut Self) -> T) -> T {
+        if !self.timeline {
+            return work(self);
+        }
         let start = Instant::now();
         self.inside += 1;
         let result = work(self);
@@ -124,7 +135,7 @@ impl Probe for Timeline {
         self.times.wave(depths);
     }
     fn seen(self) -> Seen {
-        Seen { events: self.events, ..self.times.seen() }
+        Seen { stages: self.times.rows().to_vec(), events: self.events }
     }
 }
 
@@ -134,7 +145,7 @@ mod tests {
 
     #[test]
     fn stages_lie_in_their_spans() {
-        let mut probe = Timeline::default();
+        let mut probe = Clock::new(true);
         probe.span(What::Visit, |probe| {
             probe.stage(Stage::Shade, 3, || ());
             probe.stage(Stage::Emit, 0, || ());
@@ -152,7 +163,7 @@ mod tests {
 
     #[test]
     fn long_renders_keep_all_spans_and_stages_of_some() {
-        let mut probe = Timeline::default();
+        let mut probe = Clock::new(true);
         let spans = 20_000;
         for _ in 0..spans {
             probe.span(What::Visit, |probe| (0..10).for_each(|_| probe.stage(Stage::Shade, 1, || ())));

@@ -1,8 +1,8 @@
 //! Calls, rows and time of each stage, in all and by the number of bounces.
 
-use super::{Probe, Seen, Stage};
+use super::Stage;
 use crate::lanes::MAX_LANES;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Numbers of bounces that are told apart: the last stands for itself and all above.
 pub const DEPTHS: usize = 16;
@@ -60,7 +60,7 @@ impl StageRow {
     }
 }
 
-/// Measures calls, rows and time of each stage.
+/// Sums of calls, rows and time of each stage.
 #[derive(Clone, Debug)]
 pub struct StageTimes {
     rows: [StageRow; Stage::ALL.len()],
@@ -76,7 +76,6 @@ impl Default for StageTimes {
 
 impl StageTimes {
     /// Notes that a stage ran.
-    #[inline(always)]
     pub(super) fn note(&mut self, stage: Stage, items: usize, time: Duration) {
         let row = &mut self.rows[stage as usize];
         row.time += time;
@@ -102,16 +101,10 @@ impl StageTimes {
     }
 }
 
-impl Probe for StageTimes {
-    #[inline(always)]
-    fn stage<T>(&mut self, stage: Stage, items: usize, work: impl FnOnce() -> T) -> T {
-        let start = Instant::now();
-        let result = work();
-        self.note(stage, items, start.elapsed());
-        result
-    }
-    #[inline(always)]
-    fn wave(&mut self, depths: &[u32]) {
+impl StageTimes {
+    /// Notes how many bounces the rows of the wave have whose stages follow.
+    #[inline(never)]
+    pub(super) fn wave(&mut self, depths: &[u32]) {
         // Several counts, because neighbours mostly have the same, and an addition has to wait for the one before.
         let mut counts = [[0u32; DEPTHS]; 4];
         for four in depths.chunks(4) {
@@ -123,8 +116,9 @@ impl Probe for StageTimes {
         let count = |depth: usize| counts.iter().map(|count| count[depth]).sum::<u32>();
         self.shares = std::array::from_fn(|depth| f64::from(count(depth)) / rows);
     }
-    fn seen(self) -> Seen {
-        Seen { stages: self.rows.to_vec(), events: Vec::new() }
+    /// One row per stage.
+    pub(super) fn rows(&self) -> &[StageRow] {
+        &self.rows
     }
 }
 
@@ -132,18 +126,17 @@ impl Probe for StageTimes {
 mod tests {
     use super::*;
 
-    fn row(probe: StageTimes, stage: Stage) -> StageRow {
-        probe.seen().stages.into_iter().find(|row| row.stage == stage).unwrap()
+    fn row(times: &StageTimes, stage: Stage) -> StageRow {
+        *times.rows().iter().find(|row| row.stage == stage).unwrap()
     }
 
     #[test]
     fn rows_fill_lanes_eight_at_a_time() {
         let mut probe = StageTimes::default();
         for items in [16, 9, 0, 1] {
-            probe.stage(Stage::Shade, items, || ());
+            probe.note(Stage::Shade, items, Duration::ZERO);
         }
-        let none = row(probe.clone(), Stage::Generate);
-        let row = row(probe, Stage::Shade);
+        let (none, row) = (row(&probe, Stage::Generate), row(&probe, Stage::Shade));
         assert_eq!((row.calls, row.items, row.lanes), (4, 26, 40));
         assert_eq!((row.occupancy(), none.occupancy(), none.ns_per_item()), (0.65, 1.0, 0.0));
     }
@@ -151,15 +144,15 @@ mod tests {
     #[test]
     fn rows_and_time_are_shared_out_by_bounces() {
         let mut probe = StageTimes::default();
-        probe.stage(Stage::Generate, 30, || ());
+        probe.note(Stage::Generate, 30, Duration::ZERO);
         // One path in four has bounced, once or as often as is told apart or more.
         probe.wave(&[0, 0, 0, 0, 0, 0, 1, 99].repeat(5));
         probe.note(Stage::Shade, 16, Duration::from_secs(8));
         probe.note(Stage::Accumulate, 16, Duration::from_secs(8));
-        let shade = row(probe.clone(), Stage::Shade);
+        let shade = row(&probe, Stage::Shade);
         let by = |depth: usize| (shade.depths[depth].items, shade.depths[depth].seconds);
         assert_eq!([0, 1, 2, DEPTHS - 1].map(by), [(12.0, 6.0), (2.0, 1.0), (0.0, 0.0), (2.0, 1.0)]);
-        assert_eq!(row(probe.clone(), Stage::Generate).depths[0].items, 30.0);
-        assert!(row(probe, Stage::Accumulate).depths.iter().all(|d| d.items == 0.0));
+        assert_eq!(row(&probe, Stage::Generate).depths[0].items, 30.0);
+        assert!(row(&probe, Stage::Accumulate).depths.iter().all(|d| d.items == 0.0));
     }
 }

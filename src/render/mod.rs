@@ -15,7 +15,7 @@ use crate::accel::{BuildOptions, Bvh};
 use crate::error::Result;
 use crate::film::{BadSample, Film};
 use crate::light::Spots;
-use crate::probe::{Event, NoProbe, Probe, StageRow, StageTimes, Timeline};
+use crate::probe::{Clock, Event, NoProbe, Probe, StageRow};
 use crate::sampling::{Screen, Sobol, Xoshiro};
 use crate::wave::{Context, Counts, Efforts, Plan};
 use crate::world::World;
@@ -235,10 +235,9 @@ impl Renderer {
             seed: SURVEY_SEED,
             screen: Screen::default(),
         };
-        let (arrivals, all) = match (settings.time_stages, settings.timeline) {
-            (_, true) => schedule::survey::<Timeline>(&cx, settings),
-            (true, false) => schedule::survey::<StageTimes>(&cx, settings),
-            (false, false) => schedule::survey::<NoProbe>(&cx, settings),
+        let (arrivals, all) = match settings.is_timed() {
+            true => schedule::survey::<Clock>(&cx, settings),
+            false => schedule::survey::<NoProbe>(&cx, settings),
         }?;
         Ok((Spots::new(&arrivals, settings.looks()), all))
     }
@@ -251,10 +250,9 @@ impl Renderer {
         film: Film,
         control: &Control,
     ) -> Result<Rendered> {
-        match (settings.time_stages, settings.timeline) {
-            (_, true) => seen_by::<Timeline>(cx, settings, round, film, control),
-            (true, false) => seen_by::<StageTimes>(cx, settings, round, film, control),
-            (false, false) => seen_by::<NoProbe>(cx, settings, round, film, control),
+        match settings.is_timed() {
+            true => seen_by::<Clock>(cx, settings, round, film, control),
+            false => seen_by::<NoProbe>(cx, settings, round, film, control),
         }
     }
 }

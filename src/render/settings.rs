@@ -114,6 +114,10 @@ impl Settings {
     pub(super) fn looks(&self) -> f32 {
         5.0 * self.light_paths
     }
+    /// Whether there is a clock in the stages.
+    pub(super) fn is_timed(&self) -> bool {
+        self.time_stages || self.timeline
+    }
     pub(super) fn check(&self) -> Result<()> {
         let wrong = |setting, found: usize, expected: String| {
             Err(Error::Setting { setting, found: found.to_string(), expected })

@@ -13,20 +13,16 @@ mod obj_lines;
 mod object;
 mod problems;
 
-use std::fs::{self, File};
-use std::io::{self, Read};
 use std::path::Path;
 
 pub use camera::{GivenAngles, MAX_PIXELS, MAX_SIDE};
 
 use crate::error::{Error, Problem, Result};
+use crate::input;
 use crate::world::{MaterialInput, Mesh, WorldBuilder};
 use fields::{Fields, Range};
 use object::Meshes;
 use problems::Problems;
-
-/// Most bytes of a scene that comes through a pipe or from a device, which may have no end.
-const MAX_STREAM: u64 = 1 << 28;
 
 const KEYS: &[&str] = &["camera", "materials", "objects", "background", "comment", "$schema"];
 
@@ -71,7 +67,7 @@ impl Loaded {
 /// [`Error::Io`] where the scene file cannot be read, [`Error::Scene`] with the mistakes of the scene and its meshes: the first
 /// 100 that were found, and the number of the others.
 pub fn load(path: &Path) -> Result<Loaded> {
-    let bytes = bytes(path).map_err(|source| Error::Io { file: path.to_owned(), action: "read", source })?;
+    let bytes = input::bounded(path).map_err(|source| Error::Io { file: path.to_owned(), action: "read", source })?;
     let text = decode(path, &bytes)?;
     let mut problems = Problems::new(path, text);
     let scene = read(text, path.parent().unwrap_or(Path::new("")), &mut problems);
@@ -92,20 +88,6 @@ pub fn load_mesh(path: &Path) -> Result<Mesh> {
         obj::Failure::Unreadable(source) => Error::Io { file: path.to_owned(), action: "read", source },
         obj::Failure::Mistakes(problems) => Error::Scene(problems),
     })
-}
-
-/// What a scene file holds.
-fn bytes(path: &Path) -> io::Result<Vec<u8>> {
-    if fs::metadata(path)?.is_file() {
-        return fs::read(path);
-    }
-    let mut bytes = Vec::new();
-    File::open(path)?.take(MAX_STREAM + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > MAX_STREAM {
-        let reason = format!("found more than {MAX_STREAM} bytes, expected at most as many of what is no regular file");
-        return Err(io::Error::new(io::ErrorKind::FileTooLarge, reason));
-    }
-    Ok(bytes)
 }
 
 /// The text of a scene file, which is UTF-8 without a byte order mark.

@@ -4,8 +4,8 @@
 //! and stops at the first mistake without its line. Hence it is fed by [`Lines`], which lets the surface through and
 //! remembers which triangles have normals.
 
+use std::io;
 use std::path::Path;
-use std::{fs, io};
 
 use crate::linear::DVec3;
 
@@ -13,6 +13,7 @@ use super::fields::fits_single;
 use super::obj_check::Flaw;
 use super::obj_lines::{Lines, diagnose};
 use crate::error::Problem;
+use crate::input;
 use crate::world::Mesh;
 
 /// Why there is no mesh.
@@ -26,7 +27,7 @@ pub(super) enum Failure {
 
 /// Reads the mesh at `path`: the faces of all its groups in their order, polygons as fans about their first corner.
 pub(super) fn load(path: &Path) -> Result<Mesh, Failure> {
-    let bytes = bytes(path).map_err(Failure::Unreadable)?;
+    let bytes = input::regular(path).map_err(Failure::Unreadable)?;
     // Behind a byte order mark the first statement would not be recognised.
     let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes);
     parse(text).map_err(|flaws| {
@@ -40,15 +41,6 @@ pub(super) fn load(path: &Path) -> Result<Mesh, Failure> {
         };
         Failure::Mistakes(flaws.into_iter().map(problem).collect())
     })
-}
-
-fn bytes(path: &Path) -> io::Result<Vec<u8>> {
-    let kind = fs::metadata(path)?.file_type();
-    // A device or a pipe may have no end, or never begin. Of a folder the system says what it is.
-    if !kind.is_file() && !kind.is_dir() {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is a device or a pipe, no regular file"));
-    }
-    fs::read(path)
 }
 
 fn parse(text: &[u8]) -> Result<Mesh, Vec<Flaw>> {

@@ -2,11 +2,11 @@
 
 use super::args::SuiteArgs;
 use serde_json::{Map, Value, json};
-use std::fs;
 use std::path::{Path, PathBuf};
 use wavetrace::bench::{Figure, Unit};
 use wavetrace::chart::{Build, Machine};
 use wavetrace::error::{Error, Result};
+use wavetrace::input;
 
 /// Of what kind the document is; another layout would get another number.
 const FORMAT: u64 = 1;
@@ -71,12 +71,9 @@ impl Saved {
     /// [`Error::Io`] where the file cannot be read, [`Error::Decode`] where it is no such document.
     pub fn read(path: PathBuf) -> Result<Self> {
         let fault = |source| Error::Io { file: path.clone(), action: "read", source };
-        if fs::metadata(&path).map_err(fault)?.is_dir() {
-            return Err(decode(&path, "a folder", "a file that `wavetrace bench --save` wrote"));
-        }
-        let text = fs::read_to_string(&path).map_err(fault)?;
-        let document: Value =
-            serde_json::from_str(&text).map_err(|e| decode(&path, &format!("no JSON: {e}"), "JSON"))?;
+        let bytes = input::regular(&path).map_err(fault)?;
+        let no_json = |error| decode(&path, &format!("no JSON: {error}"), "JSON");
+        let document: Value = serde_json::from_slice(&bytes).map_err(no_json)?;
         if document["program"] != "wavetrace" || document["format"] != FORMAT {
             return Err(decode(&path, "another document", "one that `wavetrace bench --save` wrote"));
         }
