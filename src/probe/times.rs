@@ -25,7 +25,7 @@ pub struct StageRow {
 }
 
 /// What a stage did for paths with the same number of bounces. A wave holds several, and each run of a stage is shared out
-/// as the rows of its wave are: exact where waves are not [refilled](crate::render::Settings::refill), else an estimate.
+/// as the rows of its wave are: exact where waves are not [refilled](crate::wave::Tuning::refill), else an estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DepthRow {
     /// Rows.
