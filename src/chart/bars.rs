@@ -23,10 +23,10 @@ pub(super) fn fill(series: usize) -> (Style, f64) {
     (style, if series >= super::style::COLOURS.len() { 0.5 } else { 0.95 })
 }
 
-/// Writes the name of a bar below it: askew where there are many.
-fn label(out: &mut String, middle: f64, name: &str, bars: usize) {
+/// Writes the name of a bar below it.
+fn label(out: &mut String, middle: f64, name: &str, askew: bool) {
     let y = BOTTOM + 15.0;
-    if bars <= 8 || name.chars().count() <= 3 {
+    if !askew {
         return text(out, (middle, y), "middle", r#"font-size="12" opacity="0.85""#, name);
     }
     let turned = format!(r#"font-size="11" opacity="0.85" transform="rotate(-28 {middle:.1} {y:.1})""#);
@@ -43,10 +43,12 @@ pub fn bars(across: &str, up: &str, bars: &[(String, Vec<Part>)]) -> String {
         return out;
     }
     let height = heights(&mut out, most);
+    // Long names of many bars would run into each other.
+    let askew = bars.len() > 8 && bars.iter().any(|(name, _)| name.chars().count() > 3);
     let width = (RIGHT - LEFT) / bars.len() as f64;
     for (i, (name, parts)) in bars.iter().enumerate() {
         let (x, middle) = (LEFT + width * (i as f64 + 0.12), LEFT + width * (i as f64 + 0.5));
-        label(&mut out, middle, name, bars.len());
+        label(&mut out, middle, name, askew);
         out.push_str(r#"<g class="line">"#);
         let mut below = 0.0;
         for part in parts.iter().filter(|part| part.value > 0.0) {

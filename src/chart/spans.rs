@@ -38,7 +38,8 @@ pub fn spans(name: &str, from: f64, to: f64, rows: &[(String, Vec<Span>)]) -> St
         let x = place(time);
         // Writing to a string cannot fail.
         let _ = write!(out, r#"<path d="M{x:.1} {TOP}V{bottom}" stroke="currentColor" stroke-opacity="0.2"/>"#);
-        text(&mut out, (x, bottom + 16.0), "middle", r#"font-size="12" opacity="0.85""#, &format!("{time:.2}"));
+        let anchor = if k == 5 { "end" } else { "middle" };
+        text(&mut out, (x, bottom + 16.0), anchor, r#"font-size="12" opacity="0.85""#, &format!("{time:.2}"));
     }
     text(&mut out, ((LEFT + RIGHT) / 2.0, bottom + 33.0), "middle", r#"font-size="13""#, "milliseconds of the render");
     for (k, (name, row)) in rows.iter().enumerate() {

@@ -85,9 +85,9 @@ pub trait Probe: Sized + Send {
     fn span<T>(&mut self, _what: What, work: impl FnOnce(&mut Self) -> T) -> T {
         work(self)
     }
-    /// Tells of the wave whose stages follow how many bounces its rows have.
+    /// Tells of the wave whose stages follow how many bounces its rows have; the last `fresh` ones have none.
     #[inline(always)]
-    fn wave(&mut self, _depths: &[u32]) {}
+    fn wave(&mut self, _depths: &[u32], _fresh: usize) {}
     /// What was seen; nothing where nothing is measured.
     fn seen(self) -> Seen {
         Seen::default()

@@ -131,8 +131,8 @@ impl Probe for Clock {
         result
     }
     #[inline(always)]
-    fn wave(&mut self, depths: &[u32]) {
-        self.times.wave(depths);
+    fn wave(&mut self, depths: &[u32], fresh: usize) {
+        self.times.wave(depths, fresh);
     }
     fn seen(self) -> Seen {
         Seen { stages: self.times.rows().to_vec(), events: self.events }

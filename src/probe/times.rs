@@ -7,6 +7,9 @@ use std::time::Duration;
 /// Numbers of bounces that are told apart: the last stands for itself and all above.
 pub const DEPTHS: usize = 16;
 
+/// Of rows that have bounced, one in so many tells how often rows have.
+const EVERY: usize = 4;
+
 /// What a stage did.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StageRow {
@@ -25,7 +28,7 @@ pub struct StageRow {
 }
 
 /// What a stage did for paths with the same number of bounces. A wave holds several, and each run of a stage is shared out
-/// as the rows of its wave are: exact where waves are not [refilled](crate::wave::Tuning::refill), else an estimate.
+/// as the rows of its wave are, of which a quarter is looked at: exact where waves are not [refilled](crate::wave::Tuning::refill), else an estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DepthRow {
     /// Rows.
@@ -102,19 +105,23 @@ impl StageTimes {
 }
 
 impl StageTimes {
-    /// Notes how many bounces the rows of the wave have whose stages follow.
+    /// Notes how many bounces the rows of the wave have whose stages follow; the last `fresh` ones have none. Of the others one in
+    /// [`EVERY`] is looked at: all of them take 2 % of the time of a render with short paths.
     #[inline(never)]
-    pub(super) fn wave(&mut self, depths: &[u32]) {
+    pub(super) fn wave(&mut self, depths: &[u32], fresh: usize) {
+        let old = &depths[..depths.len() - fresh.min(depths.len())];
         // Several counts, because neighbours mostly have the same, and an addition has to wait for the one before.
         let mut counts = [[0u32; DEPTHS]; 4];
-        for four in depths.chunks(4) {
-            for (count, &depth) in counts.iter_mut().zip(four) {
+        for four in old.chunks(4 * EVERY) {
+            for (count, &depth) in counts.iter_mut().zip(four.iter().step_by(EVERY)) {
                 count[(depth as usize).min(DEPTHS - 1)] += 1;
             }
         }
+        let seen = old.len().div_ceil(EVERY).max(1) as f64;
         let rows = depths.len().max(1) as f64;
         let count = |depth: usize| counts.iter().map(|count| count[depth]).sum::<u32>();
-        self.shares = std::array::from_fn(|depth| f64::from(count(depth)) / rows);
+        self.shares = std::array::from_fn(|depth| f64::from(count(depth)) / seen * old.len() as f64 / rows);
+        self.shares[0] += fresh as f64 / rows;
     }
     /// One row per stage.
     pub(super) fn rows(&self) -> &[StageRow] {
@@ -145,8 +152,9 @@ mod tests {
     fn rows_and_time_are_shared_out_by_bounces() {
         let mut probe = StageTimes::default();
         probe.note(Stage::Generate, 30, Duration::ZERO);
-        // One path in four has bounced, once or as often as is told apart or more.
-        probe.wave(&[0, 0, 0, 0, 0, 0, 1, 99].repeat(5));
+        // One path in four has bounced; of these every fourth tells: once, or as often as is told apart or more.
+        let old = [1, 7, 7, 7, 99, 7, 7, 7].repeat(10);
+        probe.wave(&[old, vec![0; 240]].concat(), 240);
         probe.note(Stage::Shade, 16, Duration::from_secs(8));
         probe.note(Stage::Accumulate, 16, Duration::from_secs(8));
         let shade = row(&probe, Stage::Shade);

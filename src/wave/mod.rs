@@ -187,7 +187,7 @@ impl<S: Sampler> Wave<S> {
             }
             counts.camera += count as u64;
             counts.bounce += fresh as u64;
-            probe.wave(q.paths.depths());
+            probe.wave(q.paths.depths(), count);
             let loose = if plan.tuning.tiles { fresh } else { n };
             probe.stage(Stage::Intersect, n, || dispatch(Intersect { q, bvh, tracer, fresh: loose }));
             probe.stage(Stage::Route, n, || dispatch(Route { q, world, plan, counts }));

@@ -16,7 +16,7 @@ use wavetrace::chart::Build;
 use wavetrace::error::{Error, Result as LibraryResult};
 use wavetrace::output;
 
-/// Figures of how many shares of the threads may be idle before others are told to disturb them.
+/// Share of the threads that may be idle in renders before other work is said to disturb them.
 const DISTURBED: f64 = 0.1;
 
 /// Measures, shows the figures, keeps them and compares them as the user wants.

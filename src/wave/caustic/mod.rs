@@ -97,7 +97,7 @@ impl<S: Sampler> LightWave<S> {
                 return splats.sorted();
             }
             counts.light += n as u64;
-            probe.wave(q.paths.depths());
+            probe.wave(q.paths.depths(), fresh);
             // Paths into one cone are no tiles: all are traced as rays that go anywhere.
             probe.stage(Stage::Intersect, n, || dispatch(Intersect { q, bvh, tracer, fresh: n }));
             probe.stage(Stage::Route, n, || dispatch(Route { q, world, plan, counts: &mut cut }));
