@@ -7,8 +7,10 @@ use common::meshes::repository;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
+use std::io::Read;
 use std::path::PathBuf;
-use std::process::Command;
+use std::process::{Command, Stdio};
+use std::time::Duration;
 use tempfile::TempDir;
 
 /// A scene with a lamp, a mirror and a matt floor, as small as can be.
@@ -287,8 +289,37 @@ fn a_sweep_has_all_values() {
         ("--vary wave=64 --set leaf=1,2 -o no", "one value"),
         ("--vary wave=64 --vary wave=128 -o no", "wave"),
         ("--vary wave=64", "--output"),
+        ("--vary wave=64 --scene scenes/small.json -o no", "each scene once"),
     ] {
         let (_, err) = place.expect(2, &format!("{sweep} {args}"));
         assert!(err.contains(part) && !place.path("no").exists(), "{args}: {err}");
     }
+}
+
+/// Ctrl-C ends the suite soon, keeps nothing, and takes its temporary files with it.
+#[test]
+#[cfg(unix)]
+fn an_interrupted_suite_leaves_nothing() {
+    let place = Place::new();
+    fs::create_dir(place.path("tmp")).unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_wavetrace"))
+        .args("bench --only load,start --up-to 1000 --repeats 1000 --save kept".split(' '))
+        .current_dir(place.0.path())
+        .env("TMPDIR", place.path("tmp"))
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let files = || fs::read_dir(place.path("tmp")).unwrap().count();
+    // The mesh and the scene are there once it measures.
+    while files() < 2 {
+        assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let code = child.wait().unwrap().code();
+    let mut said = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+    assert_eq!((code, files(), place.path("kept.json").exists()), (Some(130), 0, false), "{said}");
+    assert!(said.contains("nothing is kept"), "{said}");
 }

@@ -4,6 +4,7 @@ use super::args::SuiteArgs;
 use super::saved::{self, Saved};
 use super::table;
 use crate::cli::Exit;
+use crate::cli::interrupt::Interrupt;
 use crate::cli::messages::Console;
 use crate::cli::progress::Meter;
 use serde_json::{Value, json};
@@ -15,6 +16,7 @@ use wavetrace::bench::{Figure, Unit};
 use wavetrace::chart::Build;
 use wavetrace::error::{Error, Result as LibraryResult};
 use wavetrace::output;
+use wavetrace::render::Control;
 
 /// Share of the threads that may be idle in renders before other work is said to disturb them.
 const DISTURBED: f64 = 0.1;
@@ -42,7 +44,13 @@ pub fn run(args: &SuiteArgs) -> Result<Exit, Exit> {
         console.warn("this is no release build: its figures say little");
     }
 
-    let figures = measure(args, threads, &console).map_err(fail)?;
+    // Ended from within: temporary files go with what holds them.
+    let interrupt = Interrupt::listen();
+    let figures = measure(args, threads, &console, interrupt.start_render()).map_err(fail)?;
+    if interrupt.happened() {
+        console.line("interrupted: nothing is kept");
+        return Err(Exit::Interrupted);
+    }
     let mut document = saved::document(args, threads, &figures);
     // What was measured is kept before anything else can go wrong.
     if let Some(path) = &save {
@@ -67,7 +75,7 @@ pub fn run(args: &SuiteArgs) -> Result<Exit, Exit> {
     Ok(if slower { Exit::Slower } else { Exit::Done })
 }
 
-fn measure(args: &SuiteArgs, threads: usize, console: &Console) -> LibraryResult<Vec<Figure>> {
+fn measure(args: &SuiteArgs, threads: usize, console: &Console, control: &Control) -> LibraryResult<Vec<Figure>> {
     let parts = if args.only.is_empty() { Part::ALL.to_vec() } else { args.only.clone() };
     let scenes = if parts.contains(&Part::Scenes) { scenes(args)? } else { Vec::new() };
     let own = |source| Error::Io { file: PathBuf::from("wavetrace"), action: "find this program", source };
@@ -82,7 +90,7 @@ fn measure(args: &SuiteArgs, threads: usize, console: &Console) -> LibraryResult
     let meter = Meter::new(console.is_quiet());
     suite.run(|share| {
         meter.show(share);
-        true
+        !control.is_stopped()
     })
 }
 

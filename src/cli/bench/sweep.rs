@@ -23,6 +23,12 @@ pub fn run(args: &SweepArgs) -> Result<Exit, Exit> {
         let (found, expected) = (args.vary.len().to_string(), "one knob or two".to_owned());
         return Err(fail(Error::Setting { setting: "--vary", found, expected }));
     }
+    if let Some(twice) =
+        args.scene.iter().enumerate().find_map(|(i, path)| args.scene[..i].contains(path).then_some(path))
+    {
+        let (found, expected) = (twice.display().to_string(), "each scene once".to_owned());
+        return Err(fail(Error::Setting { setting: "--scene", found, expected }));
+    }
     let trials = trials(args).map_err(fail)?;
     let files = files(&args.output).map_err(fail)?;
     let renderers = renderers(args, &trials).map_err(fail)?;

@@ -6,6 +6,7 @@ use wavetrace::bench::measure::median;
 use wavetrace::bench::suite::INSTRUMENTATION;
 use wavetrace::bench::verdict::{Compared, Verdict};
 use wavetrace::bench::{Figure, Unit};
+use wavetrace::chart::number;
 
 /// Rows of words, the first one flush left, the others flush right.
 struct Table(Vec<Vec<String>>);
@@ -31,14 +32,9 @@ impl Table {
     }
 }
 
-/// Three digits.
-fn three(value: f64) -> String {
-    match value.abs() {
-        x if !x.is_finite() => "?".to_owned(),
-        x if x >= 99.95 => format!("{value:.0}"),
-        x if x >= 9.995 => format!("{value:.1}"),
-        _ => format!("{value:.2}"),
-    }
+/// Three digits; a question mark for what is no number.
+fn figure_of(value: f64) -> String {
+    if value.is_finite() { number::figure(value) } else { "?".to_owned() }
 }
 
 fn percent(share: f64) -> String {
@@ -87,9 +83,9 @@ fn plain(figures: &[&Figure]) -> String {
         let busy = f.busy.map_or("?".to_owned(), |busy| format!("{busy:.2}"));
         table.0.push(vec![
             f.name.clone(),
-            three(f.median()),
+            figure_of(f.median()),
             f.unit.name().to_owned(),
-            three(f.best()),
+            figure_of(f.best()),
             percent(f.spread()),
             busy,
         ]);
@@ -107,7 +103,7 @@ fn kernels(figures: &[&Figure]) -> String {
         let find = |kernel: &str| figures.iter().find(|f| f.name.rsplit_once('/') == Some((row, kernel)));
         let found: Vec<_> = columns.iter().map(|kernel| find(kernel)).collect();
         let worst = found.iter().flatten().map(|f| f.spread()).fold(0.0, f64::max);
-        let cells = found.iter().map(|f| f.map_or(String::new(), |f| three(f.median())));
+        let cells = found.iter().map(|f| f.map_or(String::new(), |f| figure_of(f.median())));
         let name = row.trim_start_matches("rays/").replace('/', " ");
         table.0.push([name].into_iter().chain(cells).chain([percent(worst)]).collect());
     }
@@ -125,7 +121,7 @@ fn renders(figures: &[&Figure]) -> String {
         let find = |what: &str| figures.iter().find(|f| scene(f) == (name, what));
         let Some((rays, samples)) = find("rays").zip(find("samples")) else { continue };
         let busy = rays.busy.map_or("?".to_owned(), |busy| format!("{busy:.2}"));
-        let cells = [three(rays.median()), three(samples.median()), percent(rays.spread()), busy];
+        let cells = [figure_of(rays.median()), figure_of(samples.median()), percent(rays.spread()), busy];
         table.0.push([name.to_owned()].into_iter().chain(cells).collect());
     }
     let costs: Vec<f64> = figures.iter().filter(|f| scene(f).1 == INSTRUMENTATION).map(|f| f.median()).collect();
@@ -144,7 +140,7 @@ fn stages(figures: &[&Figure]) -> String {
     let mut table = Table::new(["scene"].into_iter().chain(columns.iter().copied()));
     for name in distinct(times.iter().map(|f| scene(f).0)) {
         let find = |what: &&str| times.iter().find(|f| scene(f) == (name, *what));
-        let cells = columns.iter().map(|what| find(what).map_or("-".to_owned(), |f| three(f.median())));
+        let cells = columns.iter().map(|what| find(what).map_or("-".to_owned(), |f| figure_of(f.median())));
         table.0.push([name.to_owned()].into_iter().chain(cells).collect());
     }
     table.text()
@@ -208,8 +204,8 @@ mod tests {
             figure("scene/b/aim", Unit::Nanoseconds, 12.0),
         ]);
         let expected = "\
-what            median         best  spread  busy CPUs
-machine/memory   27000  MB/s  29700   20.0%       1.50
+what            median          best  spread  busy CPUs
+machine/memory  27,000  MB/s  29,700   20.0%       1.50
 
 Mrays/s by kernel; spread: that of the worst of the row
 triangles, rays  auto  single  spread
