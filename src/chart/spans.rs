@@ -18,7 +18,7 @@ pub struct Span {
     pub series: usize,
     /// When it began, in milliseconds.
     pub from: f64,
-    /// When it ended.
+    /// When it ended, in milliseconds.
     pub to: f64,
     /// What it stands for, in lines.
     pub tip: String,

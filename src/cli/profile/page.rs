@@ -4,7 +4,6 @@ use super::Profile;
 use super::drawings::series;
 use crate::cli::facts;
 use crate::cli::units::{bytes, count, counted, per_pixel, si, time};
-use std::fmt::Write;
 use wavetrace::chart::bars::key;
 use wavetrace::chart::draw::panel_element;
 use wavetrace::chart::number::figure;
@@ -61,7 +60,7 @@ impl Profile<'_> {
                 &format!(r#"<div class="panels">{}</div>"#, self.timeline()),
             ),
             section("Memory", "What is held while the render runs, column by column.", &self.memory()),
-            section("Plan", "Which stages this scene needs, and which it leaves out.", &self.plan_text()),
+            section("Plan", "Which stages this scene needs, and which it leaves out.", &format!("<pre>{}</pre>", escape(&self.plan.to_string()))),
         ]
         .concat();
         let world = self.renderer.world();
@@ -186,13 +185,6 @@ impl Profile<'_> {
             self.usual.film.bytes(),
         );
         table(&["what", "for", "held"], &rows)
-    }
-
-    fn plan_text(&self) -> String {
-        let mut out = String::new();
-        // Writing to a string cannot fail.
-        let _ = write!(out, "<pre>{}</pre>", escape(&self.plan.to_string()));
-        out
     }
 }
 

@@ -54,11 +54,13 @@ impl<S: Sampler> LightWave<S> {
     /// A wave for what the plan of camera paths needs.
     pub fn new(cx: &Context<'_>) -> Self {
         let plan = cx.plan.of_light_paths();
+        let mut tracer = Tiles::new();
+        tracer.loose().allow(plan.tuning.streams);
         Self {
             queues: Queues::new(&plan),
             to_camera: SplatQueue::with_capacity(plan.wave_size),
             plan,
-            tracer: Tiles::new(),
+            tracer,
             splats: Splats::default(),
             sampler: PhantomData,
         }
