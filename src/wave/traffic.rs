@@ -16,27 +16,25 @@ impl Plan {
     /// What one path takes in all queues: names and bytes. A connection, a hit and lists have a row for each path.
     pub fn columns(&self) -> Vec<(String, usize)> {
         let kinds = if self.sole_kind() { 0 } else { self.kinds.len() };
-        let lists = kinds + usize::from(self.emit) + usize::from(self.escape);
         let queues = [
-            (true, "path", PathQueue::COLUMNS),
-            (true, "hit", HitQueue::COLUMNS),
-            (self.transmit, "refraction", ScaleQueue::COLUMNS),
-            (self.receivers, "receiver", NormalQueue::COLUMNS),
-            (self.caustics(), "first bounce", FirstQueue::COLUMNS),
-            (self.connect, "connection", ShadowQueue::COLUMNS),
-            (lists > 0, "lists", &[("rows", size_of::<u32>())]),
+            (1, "path", PathQueue::COLUMNS),
+            (1, "hit", HitQueue::COLUMNS),
+            (usize::from(self.transmit), "refraction", ScaleQueue::COLUMNS),
+            (usize::from(self.receivers), "receiver", NormalQueue::COLUMNS),
+            (usize::from(self.caustics()), "first bounce", FirstQueue::COLUMNS),
+            (usize::from(self.connect), "connection", ShadowQueue::COLUMNS),
+            (kinds, "lists", &[("surfaces", ONE)]),
+            (usize::from(self.emit), "lists", &[("lights", ONE)]),
+            (usize::from(self.escape), "lists", &[("escaped", ONE)]),
             // Bits among those that go on and those that nothing blocks, rounded up.
-            (true, "flags", &[("bits", 1)]),
+            (1, "flags", &[("bits", 1)]),
         ];
-        let used = queues.into_iter().filter(|queue| queue.0);
+        let used = queues.into_iter().filter(|queue| queue.0 > 0);
         let mut all: Vec<(String, usize)> = used
-            .flat_map(|(_, queue, columns)| {
-                columns.iter().map(move |(name, bytes)| (format!("{queue}.{name}"), *bytes))
+            .flat_map(|(times, queue, columns)| {
+                columns.iter().map(move |(name, bytes)| (format!("{queue}.{name}"), times * bytes))
             })
             .collect();
-        for (_, bytes) in all.iter_mut().filter(|(name, _)| name == "lists.rows") {
-            *bytes *= lists;
-        }
         if self.caustics() {
             all.push(("paths that look for focused light".to_owned(), self.of_aimed_paths().path_bytes()));
         }

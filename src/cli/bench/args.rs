@@ -4,12 +4,13 @@ use super::knob::{Knob, knob};
 use crate::cli::choices::UpAxis;
 use crate::cli::values::size;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Args, Subcommand, value_parser};
+use clap::{Args, Subcommand, ValueEnum, value_parser};
 use std::path::PathBuf;
 use wavetrace::DVec3;
 use wavetrace::bench::suite::{Part, SIZES};
 use wavetrace::bench::{Kernel, Options, SetKind, View};
 use wavetrace::render::MAX_THREADS;
+use wavetrace::wave::Feature;
 
 /// Arguments of `wavetrace bench`.
 #[derive(Debug, Args)]
@@ -72,6 +73,8 @@ pub enum Bench {
     Rays(RaysArgs),
     /// Throughput of renders against one setting or two
     Sweep(SweepArgs),
+    /// What features cost scenes that lack them
+    Tax(TaxArgs),
 }
 
 /// Arguments of `wavetrace bench sweep`.
@@ -103,6 +106,68 @@ pub struct SweepArgs {
     /// No progress and no messages but errors
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// Arguments of `wavetrace bench tax`.
+#[derive(Debug, Args)]
+pub struct TaxArgs {
+    /// Folder of the scenes: all its .json files
+    #[arg(long, value_name = "DIR", default_value = "scenes")]
+    pub scenes: PathBuf,
+    /// A build without some features, to compare with in scenes that lack them: FEATURE+FEATURE=PROGRAM; repeatable
+    #[arg(long, value_name = "FEATURES=PROGRAM", value_parser = without)]
+    pub without: Vec<Without>,
+    /// What is compared [default: instructions where valgrind is installed, else time]
+    #[arg(long, value_name = "WHAT", value_enum)]
+    pub by: Option<Measure>,
+    /// More per cent of it than this are too many
+    #[arg(long, value_name = "PERCENT", value_parser = percent, default_value = "0.5", allow_hyphen_values = true)]
+    pub bar: f64,
+    /// Pixels across and down
+    #[arg(long, value_name = "WxH", value_parser = size, default_value = "64x64", allow_hyphen_values = true)]
+    pub size: (u32, u32),
+    /// Samples per pixel [default: 2 to count instructions, 256 to take the time]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=65536), allow_negative_numbers = true)]
+    pub spp: Option<u32>,
+    /// How often each render is timed, in turns; instructions are counted once
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1000), default_value_t = 7,
+        allow_negative_numbers = true)]
+    pub repeats: u32,
+    /// Write a page in Markdown
+    #[arg(short, long, value_name = "FILE.md")]
+    pub output: Option<PathBuf>,
+    /// No progress and no messages but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// What is compared between builds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Measure {
+    /// Instructions per sample, counted by valgrind: exact
+    Instructions,
+    /// Time per sample
+    Time,
+}
+
+/// A build that lacks features.
+#[derive(Clone, Debug)]
+pub struct Without {
+    /// What it lacks.
+    pub features: Vec<Feature>,
+    /// The program.
+    pub program: PathBuf,
+}
+
+/// `FEATURE+FEATURE=PROGRAM`.
+fn without(text: &str) -> Result<Without, String> {
+    let (names, program) = text.split_once('=').ok_or("expected FEATURE+FEATURE=PROGRAM")?;
+    let of = |name: &str| {
+        let all = Feature::ALL.map(Feature::name).join(", ");
+        Feature::from_name(name).ok_or(format!("expected features of {all}, found {name:?}"))
+    };
+    let features = names.split('+').map(of).collect::<Result<Vec<_>, _>>()?;
+    Ok(Without { features, program: program.into() })
 }
 
 /// A knob with one value.

@@ -8,6 +8,7 @@ mod sheets;
 mod suite;
 mod sweep;
 mod table;
+mod tax;
 
 pub use args::{BenchArgs, setting};
 pub use knob::{Knob, settings};
@@ -20,6 +21,7 @@ pub fn run(args: &BenchArgs) -> Result<Exit, Exit> {
     match &args.what {
         Some(Bench::Rays(rays)) => rays::run(rays),
         Some(Bench::Sweep(sweep)) => sweep::run(sweep),
+        Some(Bench::Tax(tax)) => tax::run(tax),
         None => suite::run(&args.suite),
     }
 }

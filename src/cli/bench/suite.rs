@@ -8,7 +8,7 @@ use crate::cli::interrupt::Interrupt;
 use crate::cli::messages::Console;
 use crate::cli::progress::Meter;
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::{env, fs, thread};
 use wavetrace::bench::suite::{Part, Suite};
 use wavetrace::bench::verdict::{self, Compared, Verdict};
@@ -77,7 +77,7 @@ pub fn run(args: &SuiteArgs) -> Result<Exit, Exit> {
 
 fn measure(args: &SuiteArgs, threads: usize, console: &Console, control: &Control) -> LibraryResult<Vec<Figure>> {
     let parts = if args.only.is_empty() { Part::ALL.to_vec() } else { args.only.clone() };
-    let scenes = if parts.contains(&Part::Scenes) { scenes(args)? } else { Vec::new() };
+    let scenes = if parts.contains(&Part::Scenes) { scenes(&args.scenes)? } else { Vec::new() };
     let own = |source| Error::Io { file: PathBuf::from("wavetrace"), action: "find this program", source };
     let suite = Suite {
         parts,
@@ -95,17 +95,16 @@ fn measure(args: &SuiteArgs, threads: usize, console: &Console, control: &Contro
 }
 
 /// The scene files of the folder, by name.
-fn scenes(args: &SuiteArgs) -> LibraryResult<Vec<PathBuf>> {
-    let folder = &args.scenes;
-    let fault = |source| Error::Io { file: folder.clone(), action: "look for scenes in", source };
+pub fn scenes(folder: &Path) -> LibraryResult<Vec<PathBuf>> {
+    let fault = |source| Error::Io { file: folder.to_owned(), action: "look for scenes in", source };
     let entries = fs::read_dir(folder).map_err(fault)?.collect::<Result<Vec<_>, _>>().map_err(fault)?;
     let mut files: Vec<PathBuf> = entries.into_iter().map(|entry| entry.path()).collect();
     files.retain(|path| path.extension().is_some_and(|ending| ending == "json"));
     files.sort();
     if files.is_empty() {
         let reason = "found no scene, expected .json files (the scenes of a checkout are in its folder `scenes`; \
-                      --only leaves parts out)";
-        return Err(Error::Output { file: folder.clone(), reason: reason.to_owned() });
+                      --only leaves parts of the suite out)";
+        return Err(Error::Output { file: folder.to_owned(), reason: reason.to_owned() });
     }
     Ok(files)
 }

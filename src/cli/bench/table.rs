@@ -9,13 +9,15 @@ use wavetrace::bench::{Figure, Unit};
 use wavetrace::chart::number;
 
 /// Rows of words, the first one flush left, the others flush right.
-struct Table(Vec<Vec<String>>);
+pub struct Table(pub Vec<Vec<String>>);
 
 impl Table {
-    fn new(head: impl IntoIterator<Item = impl Into<String>>) -> Self {
+    /// A table with its head alone.
+    pub fn new(head: impl IntoIterator<Item = impl Into<String>>) -> Self {
         Self(vec![head.into_iter().map(Into::into).collect()])
     }
-    fn text(&self) -> String {
+    /// Its lines.
+    pub fn text(&self) -> String {
         let columns = self.0.iter().map(Vec::len).max().unwrap_or(0);
         let width = |k: usize| self.0.iter().filter_map(|row| row.get(k)).map(|cell| cell.chars().count()).max();
         let widths: Vec<usize> = (0..columns).map(|k| width(k).unwrap_or(0)).collect();

@@ -1,0 +1,106 @@
+//! Renders by programs, this one or another build of it, counted or timed from outside.
+
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use tempfile::TempDir;
+use wavetrace::error::{Error, Result};
+
+/// A render by a program.
+#[derive(Clone, Copy, Debug)]
+pub struct Work<'a> {
+    /// The program.
+    pub program: &'a Path,
+    /// The scene file.
+    pub scene: &'a Path,
+    /// Pixels across and down.
+    pub size: (u32, u32),
+    /// Samples per pixel, at least 1.
+    pub spp: u32,
+}
+
+/// Whether [`instructions`] can count here: whether valgrind can be started.
+pub fn can_count() -> bool {
+    Command::new("valgrind").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
+}
+
+/// Instructions per sample on one thread, counted by valgrind's callgrind: reading, building and starting cancel out of two
+/// renders of which one has twice the samples.
+///
+/// # Errors
+/// [`Error::Output`] with what the program or valgrind said, [`Error::Io`] where neither starts.
+pub fn instructions(work: &Work<'_>) -> Result<f64> {
+    let count = |spp: u32| {
+        let mut command = Command::new("valgrind");
+        command.args(["--tool=callgrind", "--callgrind-out-file=/dev/null"]).arg(work.program);
+        command.args(["--threads", "1"]);
+        let (output, _folder) = render(command, work, spp)?;
+        let text = String::from_utf8_lossy(&output.stderr);
+        collected(&text).ok_or_else(|| fault(work.program, "expected valgrind to say what it collected"))
+    };
+    let (one, two) = (count(work.spp)?, count(2 * work.spp)?);
+    let samples = f64::from(work.size.0) * f64::from(work.size.1) * f64::from(work.spp);
+    Ok((two as f64 - one as f64) / samples)
+}
+
+/// Seconds per sample of the render alone, on all threads.
+///
+/// # Errors
+/// As [`instructions`].
+pub fn seconds(work: &Work<'_>) -> Result<f64> {
+    let mut command = Command::new(work.program);
+    command.args(["--stats", "stats.json"]);
+    let (_, folder) = render(command, work, work.spp)?;
+    let path = folder.path().join("stats.json");
+    let text = std::fs::read_to_string(&path).map_err(|source| Error::Io { file: path, action: "read", source })?;
+    let figures: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
+    let rate = figures["samples_per_s"].as_f64().filter(|rate| *rate > 0.0);
+    rate.map(|rate| 1.0 / rate).ok_or_else(|| fault(work.program, "expected samples per second in what --stats writes"))
+}
+
+/// Runs `command` with what a render is told; it must succeed. Its files are in the folder.
+fn render(mut command: Command, work: &Work<'_>, spp: u32) -> Result<(Output, TempDir)> {
+    let io = |file: &Path, action, source| Error::Io { file: file.to_owned(), action, source };
+    let folder = tempfile::tempdir().map_err(|source| io(&std::env::temp_dir(), "write into", source))?;
+    let scene = work.scene.canonicalize().map_err(|source| io(work.scene, "read", source))?;
+    let size = format!("{}x{}", work.size.0, work.size.1);
+    command.arg("-q").arg(scene).args(["--spp", &spp.to_string(), "--size", &size, "-o", "image.ppm"]);
+    let output = command.current_dir(folder.path()).stdin(Stdio::null()).output();
+    let output = output.map_err(|source| io(work.program, "start", source))?;
+    if !output.status.success() {
+        let said = String::from_utf8_lossy(&output.stderr);
+        let line = said.lines().find(|line| !line.starts_with("==") || line.contains("nrecognised")).unwrap_or("");
+        return Err(fault(work.program, &format!("ended with {}: {line}", output.status)));
+    }
+    Ok((output, folder))
+}
+
+fn fault(program: &Path, reason: &str) -> Error {
+    Error::Output { file: program.to_owned(), reason: reason.to_owned() }
+}
+
+/// The number behind `Collected :` in what callgrind prints.
+fn collected(text: &str) -> Option<u64> {
+    text.lines().find_map(|line| line.split_once("Collected :"))?.1.trim().parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_count_is_found_in_what_callgrind_prints() {
+        let text = "==7== Events    : Ir\n==7== Collected : 49581406\n==7== \n==7== I   refs:      49,581,406\n";
+        assert_eq!((collected(text), collected("killed")), (Some(49_581_406), None));
+    }
+
+    #[test]
+    fn a_program_that_fails_is_told_with_what_it_said() {
+        let said = |program: &str| {
+            let work = Work { program: Path::new(program), scene: Path::new("Cargo.toml"), size: (8, 8), spp: 1 };
+            seconds(&work).unwrap_err().to_string()
+        };
+        assert!(said("/nowhere/wavetrace").contains("/nowhere/wavetrace: cannot start"));
+        #[cfg(unix)]
+        assert!(said("false").contains("false: ended with"));
+    }
+}
