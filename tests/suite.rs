@@ -323,3 +323,47 @@ fn an_interrupted_suite_leaves_nothing() {
     assert_eq!((code, files(), place.path("kept.json").exists()), (Some(130), 0, false), "{said}");
     assert!(said.contains("nothing is kept"), "{said}");
 }
+
+/// Builds to compare with are programs that say how fast they were: one that is far faster shows a tax, one that is far
+/// slower none, and a scene that has what a build lacks is not compared.
+#[cfg(unix)]
+#[test]
+fn a_tax_is_what_this_program_takes_more_than_a_build_without() {
+    use std::os::unix::fs::PermissionsExt;
+    let place = Place::new();
+    let program = |name: &str, samples_per_s: &str| {
+        let text = format!("#!/bin/sh\necho '{{\"samples_per_s\": {samples_per_s}}}' > stats.json\n");
+        fs::write(place.path(name), text).unwrap();
+        fs::set_permissions(place.path(name), fs::Permissions::from_mode(0o755)).unwrap();
+    };
+    program("fast", "1e15");
+    program("slow", "1e-3");
+
+    let (out, err) = place.expect(0, "bench tax");
+    assert!(out.contains("used, 44") && out.contains("--without FEATURES=PROGRAM"), "{out}");
+    assert!(!err.contains("error"), "{err}");
+    let args = "bench tax --by time --repeats 2 --spp 1 --size 16x16 --without specular=./fast -o tax.md";
+    let tax = |without: &str| format!("{args} --without transparent={without} --without smooth+choice={without}");
+    let (out, _) = place.expect(0, &tax("./slow"));
+    assert_eq!(out.matches("-100.00 %").count(), 2, "{out}");
+    let page = fs::read_to_string(place.path("tax.md")).unwrap();
+    assert!(page.contains("| small | used | -100.00 % | -100.00 % |") && page.contains("Nothing takes more"), "{page}");
+    let (_, err) = place.expect(3, &tax("./fast"));
+    assert!(
+        err.contains("small pays") && err.contains("for transparent") && err.contains("for smooth+choice"),
+        "{err}"
+    );
+
+    for (args, part) in [
+        ("bench tax --without glass=./fast", "\"glass\""),
+        ("bench tax --without transparent", "FEATURE+FEATURE=PROGRAM"),
+        ("bench tax --by time --without transparent=./nowhere", "nowhere"),
+        ("bench tax --scenes .", "found no scene"),
+        ("bench tax -o missing/tax.md", "missing/tax.md"),
+    ] {
+        let (code, out, err) = place.run(args);
+        assert!(code != Some(0) && err.contains(part) && out.is_empty(), "{args}: {out}{err}");
+    }
+    let names: BTreeSet<_> = fs::read_dir(place.path("")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(names.len(), 4, "{names:?}");
+}

@@ -86,3 +86,53 @@ impl Extent {
         Aabb::new([b[0], b[1], b[2]].into(), [-b[4], -b[5], -b[6]].into())
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// Boxes of many sizes about the origin.
+    pub fn references(count: u32) -> Vec<Reference> {
+        let wave = |i: u32, by: f32| (i as f32 * by).sin();
+        let of = |i: u32| {
+            let lo = [wave(i, 0.37), 2.0 * wave(i, 0.73), 3.0 * wave(i, 0.11)];
+            let size = 0.01 + 0.3 * wave(i, 1.7).powi(4);
+            Reference::new(lo, [lo[0] + size, lo[1] + 2.0 * size, lo[2] + 0.5 * size], i)
+        };
+        (0..count).map(of).collect()
+    }
+
+    #[test]
+    fn areas_centres_and_extents_are_those_of_the_boxes() {
+        let one = Reference::new([-1.0, 2.0, -5.0], [1.0, 5.0, -1.0], 7);
+        assert_eq!((one.id(), half_area(one.lanes())), (7, 2.0 * 3.0 + 3.0 * 4.0 + 4.0 * 2.0));
+        assert_eq!(centre(one.lanes()).array()[..3], [0.0, 7.0, -6.0]);
+        // Above the size from which halves are looked through apart, too.
+        for count in [1, 9, SHARED_BINS as u32 + 3] {
+            let refs = references(count);
+            let found = Extent::of(&refs);
+            for axis in 0..3 {
+                let least = |of: &dyn Fn(&Reference) -> f32| refs.iter().map(of).fold(f32::INFINITY, f32::min);
+                let (lo, hi) = (least(&|r| r.0[axis]), -least(&|r| r.0[axis + 4]));
+                let bounds = found.bounds.array();
+                assert_eq!((bounds[axis], -bounds[axis + 4]), (lo, hi));
+                assert_eq!(found.centres.array()[axis], least(&|r| r.0[axis] - r.0[axis + 4]));
+                assert_eq!((found.aabb().min[axis], found.aabb().max[axis]), (lo, hi));
+            }
+        }
+    }
+
+    #[test]
+    fn the_largest_extent_is_that_of_any_triangle_along_any_axis() {
+        let small = [[1.0, 1.0, 1.0], [1.5, 1.0, 1.0], [1.0, 1.25, 1.0]];
+        for axis in 0..3 {
+            for corner in 0..3 {
+                let mut large = small;
+                large[corner][axis] = -7.0;
+                let others = (0..3).filter(|&k| k != corner).map(|k| small[k][axis]).fold(0.0, f32::max);
+                assert_eq!(largest_extent(&[small, large, small]), others + 7.0);
+            }
+        }
+        assert_eq!(largest_extent(&[]), 0.0);
+    }
+}

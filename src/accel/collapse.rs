@@ -270,6 +270,60 @@ mod tests {
         }
     }
 
+    /// Least cost of covering the subtree of `n` with at most `k` roots, tried in all ways.
+    fn least(tree: &[BinaryNode], n: usize, k: usize, leaf: usize) -> f32 {
+        let area = tree[n].aabb().half_area();
+        if tree[n].is_leaf() {
+            return area * LEAF_COST;
+        }
+        let first = tree[n].first_index as usize;
+        let split = |k: usize| {
+            (1..k)
+                .map(|left| least(tree, first, left, leaf) + least(tree, first + 1, k - left, leaf))
+                .fold(f32::INFINITY, f32::min)
+        };
+        let fits = preorder(tree, n).into_iter().filter(|&n| tree[n].is_leaf()).count() <= leaf;
+        let as_leaf = if fits { area * LEAF_COST } else { f32::INFINITY };
+        (2..=k).map(split).fold(as_leaf.min(area * NODE_COST + split(WIDTH)), f32::min)
+    }
+
+    /// No way to make wide nodes of a binary tree is cheaper, and the tree that is made costs what is planned.
+    #[test]
+    fn the_wide_tree_is_the_cheapest() {
+        for (count, leaf) in [(5, 8), (12, 1), (14, 3), (14, 8)] {
+            let refs = super::super::bounds::tests::references(count);
+            let tree = super::super::sah::tree::<16>(refs);
+            let plan = Plan::new(&tree, leaf);
+            for k in 1..=WIDTH {
+                assert_eq!(
+                    plan.costs(0)[k - 1],
+                    least(&tree, 0, k, leaf),
+                    "{count} boxes, {k} roots, leaves of {leaf}"
+                );
+            }
+            let (wides, blocks, deepest) = outline(&plan);
+            let mut seen = Vec::new();
+            let (mut cost, mut leaves) = (if plan.is_leaf(0) { 0.0 } else { plan.area(0) * NODE_COST }, 0);
+            for wide in &wides {
+                for (&root, &code) in wide.roots.iter().zip(&wide.codes[..wide.len]) {
+                    cost += plan.area(root as usize);
+                    if code & LEAF != 0 {
+                        let ids = plan.ids(root as usize);
+                        assert!((1..=leaf).contains(&ids.len()), "{} triangles in a leaf", ids.len());
+                        seen.extend(ids);
+                        leaves += 1;
+                    }
+                }
+            }
+            let planned = plan.costs(0)[0];
+            assert!((cost - planned).abs() < 1e-4 * planned, "{cost} instead of {planned}");
+            seen.sort_unstable();
+            assert_eq!(seen, (0..count).collect::<Vec<_>>());
+            assert_eq!(blocks, wides.len() * Node::BLOCKS + leaves * Leaf::BLOCKS);
+            assert!((1..=wides.len()).contains(&deepest));
+        }
+    }
+
     fn shells(count: usize) -> Vec<[[f32; 3]; 3]> {
         (1..=count).map(|i| i as f32).map(|s| [[-s, -s, -s], [s, s, -s], [0.0, 0.0, s]]).collect()
     }

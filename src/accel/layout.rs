@@ -147,3 +147,35 @@ impl Leaf {
         self.rows[IDS][lane].to_bits()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rays of an octant visit the children by how far their middles lie along its diagonal.
+    #[test]
+    fn orders_go_along_the_octants() {
+        let boxes: Vec<[[f32; 3]; 2]> = (0..8)
+            .map(|i| {
+                let at = |by: f32| 3.0 * (i as f32 * by).sin();
+                let lo = [at(1.3), at(2.1), at(0.7)];
+                [lo, [lo[0] + 1.0 + 0.1 * i as f32, lo[1] + 0.5, lo[2] + 2.0]]
+            })
+            .collect();
+        for used in [2, 5, 8] {
+            let mut node = Node::empty();
+            (0..used).for_each(|lane| node.set(lane, boxes[lane][0], boxes[lane][1], lane as u32));
+            node.set_orders();
+            for octant in 0..8 {
+                let along = |lane: usize| {
+                    let middle = |axis: usize| boxes[lane][0][axis] + boxes[lane][1][axis];
+                    (0..3).map(|axis| if octant >> axis & 1 == 1 { -middle(axis) } else { middle(axis) }).sum::<f32>()
+                };
+                let order = node.order(octant);
+                let visits: Vec<usize> = (0..8).rev().map(|at| order.lane(at)).filter(|&lane| lane < used).collect();
+                assert_eq!(visits.len(), used);
+                assert!(visits.windows(2).all(|w| along(w[0]) <= along(w[1])), "octant {octant}: {visits:?}");
+            }
+        }
+    }
+}

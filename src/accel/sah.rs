@@ -247,3 +247,103 @@ pub(super) fn tree<const BINS: usize>(mut refs: Vec<Reference>) -> Vec<BinaryNod
     fill::<BINS>(&mut refs, &extent, &mut root[0], below, (1, 0));
     nodes
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::bounds::tests::references;
+    use super::*;
+
+    /// What the heuristic says of two sets; infinite where one is empty.
+    fn cost(left: &[Reference], right: &[Reference]) -> f32 {
+        let of = |refs: &[Reference]| half_area(Extent::of(refs).bounds) * refs.len() as f32;
+        if left.is_empty() || right.is_empty() { f32::INFINITY } else { of(left) + of(right) }
+    }
+
+    fn ids(refs: &[Reference]) -> Vec<u32> {
+        let mut ids: Vec<u32> = refs.iter().map(Reference::id).collect();
+        ids.sort_unstable();
+        ids
+    }
+
+    /// No way to cut few boxes in the order of their centres is better.
+    #[test]
+    fn few_boxes_are_cut_at_the_best_place() {
+        let all = references(400);
+        for (k, n) in (0..390).zip([3, 4, 5, 6, 7, 8].into_iter().cycle()) {
+            let mut refs = all[k..k + n].to_vec();
+            let best = (0..3)
+                .flat_map(|axis| {
+                    let mut sorted = refs.clone();
+                    sorted.sort_by(|a, b| centre(a.lanes()).array()[axis].total_cmp(&centre(b.lanes()).array()[axis]));
+                    (1..n).map(move |at| cost(&sorted[..at], &sorted[at..]))
+                })
+                .fold(f32::INFINITY, f32::min);
+            let before = ids(&refs);
+            let left = cut_exactly(&mut refs);
+            assert_eq!(cost(&refs[..left], &refs[left..]), best, "boxes {k} to {}", k + n);
+            assert_eq!(ids(&refs), before);
+        }
+        assert_eq!(cut_exactly(&mut all[..2].to_vec()), 1);
+        // Nothing tells boxes apart that are all the same: they are halved, or cut anywhere but at an end.
+        let left = cut_exactly(&mut [all[0]; 6]);
+        assert!((1..6).contains(&left), "{left}");
+    }
+
+    /// Centres fall into the nearest of equally spaced bins.
+    #[test]
+    fn bins_are_the_nearest() {
+        const BINS: usize = 16;
+        let refs = references(1000);
+        let extent = Extent::of(&refs);
+        let binning = Binning::<BINS>::new(extent.centres);
+        for r in &refs {
+            let (c, all) = (centre(r.lanes()).array(), extent.centres.array());
+            for axis in 0..3 {
+                let (lo, hi) = (f64::from(all[axis]), -f64::from(all[axis + 4]));
+                let place = (f64::from(c[axis]) - lo) / (hi - lo) * (BINS - 1) as f64;
+                let bin = f64::from(binning.bins(r.lanes()).array()[axis]);
+                assert!((place - bin).abs() < 0.5 + 1e-4, "{place} in bin {bin}");
+            }
+        }
+    }
+
+    /// Of all cuts between bins the best is taken, and boxes are moved to the side of their bin.
+    #[test]
+    fn many_boxes_are_cut_between_the_best_bins() {
+        const BINS: usize = 16;
+        for (count, first) in [(9, 0), (20, 40), (300, 100), (5000, 0)] {
+            let mut refs = references(first + count)[first as usize..].to_vec();
+            let binning = Binning::<BINS>::new(Extent::of(&refs).centres);
+            let bin = |r: &Reference, axis: usize| binning.bins(r.lanes()).array()[axis] as usize;
+            let sides = |axis: usize, at: usize| refs.iter().partition::<Vec<Reference>, _>(|r| bin(r, axis) <= at);
+            let cuts = (0..3).flat_map(|axis| (0..BINS - 1).map(move |at| (axis, at)));
+            let least = cuts.map(|(axis, at)| sides(axis, at)).map(|(l, r)| cost(&l, &r)).fold(f32::INFINITY, f32::min);
+            let best = Histogram::of(&refs, &binning).best();
+            assert_eq!(best.cost, least);
+            let (expected, other) = sides(best.axis, best.at);
+            let (left, extents) = partition(&mut refs, &binning, best);
+            assert_eq!((ids(&refs[..left]), ids(&refs[left..])), (ids(&expected), ids(&other)));
+            for (found, part) in extents.iter().zip([&refs[..left], &refs[left..]]) {
+                let whole = Extent::of(part);
+                assert_eq!(found.bounds.array()[..3], whole.bounds.array()[..3]);
+                assert_eq!(found.bounds.array()[4..7], whole.bounds.array()[4..7]);
+                assert_eq!(found.centres.array()[..3], whole.centres.array()[..3]);
+            }
+        }
+    }
+
+    /// Halves that threads share, joined, are the whole.
+    #[test]
+    fn shared_histograms_are_those_of_the_whole() {
+        const BINS: usize = 16;
+        let refs = references(SHARED_BINS as u32 + 5);
+        let binning = Binning::<BINS>::new(Extent::of(&refs).centres);
+        let whole = Histogram::of(&refs, &binning);
+        let mut counts = [[0; BINS]; 3];
+        for r in &refs {
+            let bins = binning.bins(r.lanes()).array();
+            (0..3).for_each(|axis| counts[axis][bins[axis] as usize] += 1);
+        }
+        assert_eq!(whole.counts, counts);
+    }
+}

@@ -230,3 +230,31 @@ impl fmt::Display for Plan {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::queues::tests::plan;
+    use super::*;
+    use crate::world::MaterialInput;
+
+    /// Light that mirrors focus is left to chance where there are lamps, mirrors and other surfaces, and nothing else finds it.
+    #[test]
+    fn what_is_left_to_chance_is_told() {
+        let lamp = MaterialInput::Luminous { radiance: [1.0; 3] };
+        let matt = MaterialInput::Diffuse { color: [0.5; 3], mattness: 1.0 };
+        let mirror = MaterialInput::Specular { color: [0.5; 3] };
+        let with = |method: Method, depth: u32, light_paths: f32, materials: &[MaterialInput]| {
+            let plan = plan(materials, 0.0);
+            Plan { method, max_depth: depth, light_paths, ..plan }.left_to_chance().is_some()
+        };
+        let all = [lamp.clone(), matt.clone(), mirror.clone()];
+        assert!(with(Method::Mis, 8, 0.0, &all) && with(Method::Nee, 8, 0.0, &all));
+        assert!(!with(Method::Mis, 8, 1.0, &all), "light paths find it");
+        assert!(!with(Method::Path, 8, 0.0, &all), "all light is found by chance");
+        assert!(!with(Method::Mis, 1, 0.0, &all), "a mirror's light is two bounces away");
+        assert!(!with(Method::Mis, 8, 0.0, &[lamp.clone(), matt.clone()]));
+        assert!(!with(Method::Mis, 8, 0.0, &[lamp, mirror.clone()]));
+        assert!(!with(Method::Mis, 8, 0.0, &[matt, mirror]));
+        assert_eq!(plan(&all, 0.0).left_to_chance().map(str::is_empty), None, "by default light paths are traced");
+    }
+}

@@ -167,3 +167,116 @@ pub(super) fn build(all: &[Bounds]) -> Tree {
     add(&mut tree, &mut set, all, &whole, 0, 0);
     tree
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Emitters of many sizes, powers and directions; every third one far away.
+    fn emitters(count: u32) -> Vec<Bounds> {
+        let wave = |i: u32, by: f32| (i as f32 * by).sin();
+        let of = |i: u32| {
+            let away = if i.is_multiple_of(3) { 5.0 } else { 0.0 };
+            let axis = [wave(i, 0.9), wave(i, 1.9), 1.5];
+            Bounds {
+                centre: [wave(i, 0.37) + away, 2.0 * wave(i, 0.73), 0.5 * wave(i, 0.11)],
+                radius: 0.02 + 0.1 * wave(i, 1.7).powi(2),
+                axis: axis.map(|x| x / length(axis) * if i.is_multiple_of(2) { 1.0 } else { -1.0 }),
+                cos_cone: 1.0,
+                power: 0.1 + 3.0 * wave(i, 2.3).powi(4),
+            }
+        };
+        (0..count).map(of).collect()
+    }
+
+    /// Power, surface of the box and spread of the normals of a set, multiplied.
+    fn cost(set: &[u32], all: &[Bounds], axis: [f32; 3]) -> f64 {
+        let of =
+            |least: &dyn Fn(&Bounds) -> f32| set.iter().map(|&i| least(&all[i as usize])).fold(f32::INFINITY, f32::min);
+        let [x, y, z] = [0, 1, 2].map(|k: usize| {
+            f64::from(-of(&|b| -(b.centre[k] + b.radius))) - f64::from(of(&|b| b.centre[k] - b.radius))
+        });
+        let (mut power, mut sum) = (0.0, [0.0; 3]);
+        for b in set.iter().map(|&i| &all[i as usize]) {
+            let side = if dot(b.axis, axis) < 0.0 { -1.0 } else { 1.0 };
+            power += f64::from(b.power);
+            (0..3).for_each(|k| sum[k] += side * f64::from(b.power) * f64::from(b.axis[k]));
+        }
+        let aligned = sum.iter().map(|x| x * x).sum::<f64>().sqrt() / power;
+        power * (x * y + y * z + z * x) * (4.0 - 3.0 * aligned)
+    }
+
+    /// No plane between bins, across any axis, parts a set at less cost.
+    #[test]
+    fn sets_are_split_where_it_costs_least() {
+        let all = emitters(300);
+        for (first, count) in [(0, 2), (10, 3), (30, 5), (50, 17), (100, 40), (0, 300)] {
+            let mut set: Vec<u32> = (first..first + count).collect();
+            let whole = bounds_of(&set, &all);
+            let centre = |i: u32, k: usize| all[i as usize].centre[k];
+            let ends = |k: usize| {
+                let of = set.iter().map(|&i| centre(i, k));
+                (of.clone().fold(f32::INFINITY, f32::min), of.fold(f32::NEG_INFINITY, f32::max))
+            };
+            let longest = (0..3).map(|k| ends(k).1 - ends(k).0).fold(0.0, f32::max);
+            let mut least = (f64::INFINITY, Vec::new());
+            for k in 0..3 {
+                let (lo, hi) = ends(k);
+                for bin in 1..BINS {
+                    let goes_left = |i: u32| (centre(i, k) - lo) / (hi - lo) * (BINS as f32) < bin as f32;
+                    let (left, right): (Vec<u32>, Vec<u32>) = set.iter().partition(|&&i| goes_left(i));
+                    if left.is_empty() || right.is_empty() {
+                        continue;
+                    }
+                    let sides = cost(&left, &all, whole.axis) + cost(&right, &all, whole.axis);
+                    let cost = f64::from(longest / (hi - lo)) * sides;
+                    if cost < least.0 * (1.0 - 1e-9) {
+                        least = (cost, left);
+                    }
+                }
+            }
+            let (left, right) = split(&mut set, &all, &whole, 0);
+            assert_eq!(left.len() + right.len(), count as usize);
+            left.sort_unstable();
+            assert_eq!(left, least.1, "{count} emitters");
+        }
+    }
+
+    /// Where all are at one place, or few levels are left, halves.
+    #[test]
+    fn sets_that_cannot_be_split_are_halved() {
+        let one = emitters(1)[0];
+        let (mut set, all) = ((0..9).collect::<Vec<u32>>(), vec![one; 9]);
+        assert_eq!(split(&mut set, &all, &one, 0).0.len(), 4);
+        let all = emitters(64);
+        let mut set: Vec<u32> = (0..64).collect();
+        let whole = bounds_of(&set, &all);
+        // 64 emitters need six levels more.
+        let (left, right) = split(&mut set, &all, &whole, LEVELS - 7);
+        assert_eq!(left.len(), 32);
+        let widest = |i: u32| all[i as usize].centre[0];
+        let last = left.iter().map(|&i| widest(i)).fold(f32::NEG_INFINITY, f32::max);
+        assert!(right.iter().all(|&i| widest(i) >= last));
+    }
+
+    #[test]
+    fn bounds_hold_their_emitters() {
+        let all = emitters(100);
+        for count in [1, 2, 7, 100] {
+            let set: Vec<u32> = (0..count).collect();
+            let bounds = bounds_of(&set, &all);
+            let power: f32 = all[..count as usize].iter().map(|b| b.power).sum();
+            assert!((bounds.power - power).abs() < 1e-5 * power);
+            assert!((length(bounds.axis) - 1.0).abs() < 1e-5);
+            for b in &all[..count as usize] {
+                let away = length(std::array::from_fn(|k| b.centre[k] - bounds.centre[k]));
+                assert!(away + b.radius <= bounds.radius);
+                assert!(dot(b.axis, bounds.axis).abs() >= bounds.cos_cone);
+            }
+            // Not much more than that: the ball reaches some emitter, the cone some normal.
+            let far = |b: &Bounds| length(std::array::from_fn(|k| b.centre[k] - bounds.centre[k])) + b.radius;
+            assert!(all[..count as usize].iter().any(|b| far(b) >= bounds.radius / ROUNDING.powi(2)));
+            assert!(all[..count as usize].iter().any(|b| dot(b.axis, bounds.axis).abs() < bounds.cos_cone + 1e-3));
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! Renders by programs, this one or another build of it, counted or timed from outside.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 use wavetrace::error::{Error, Result};
@@ -31,7 +31,7 @@ pub fn can_count() -> bool {
 pub fn instructions(work: &Work<'_>) -> Result<f64> {
     let count = |spp: u32| {
         let mut command = Command::new("valgrind");
-        command.args(["--tool=callgrind", "--callgrind-out-file=/dev/null"]).arg(work.program);
+        command.args(["--tool=callgrind", "--callgrind-out-file=/dev/null"]).arg(whole(work.program)?);
         command.args(["--threads", "1"]);
         let (output, _folder) = render(command, work, spp)?;
         let text = String::from_utf8_lossy(&output.stderr);
@@ -47,7 +47,7 @@ pub fn instructions(work: &Work<'_>) -> Result<f64> {
 /// # Errors
 /// As [`instructions`].
 pub fn seconds(work: &Work<'_>) -> Result<f64> {
-    let mut command = Command::new(work.program);
+    let mut command = Command::new(whole(work.program)?);
     command.args(["--stats", "stats.json"]);
     let (_, folder) = render(command, work, work.spp)?;
     let path = folder.path().join("stats.json");
@@ -72,6 +72,11 @@ fn render(mut command: Command, work: &Work<'_>, spp: u32) -> Result<(Output, Te
         return Err(fault(work.program, &format!("ended with {}: {line}", output.status)));
     }
     Ok((output, folder))
+}
+
+/// A path that means the same in another folder.
+fn whole(program: &Path) -> Result<PathBuf> {
+    program.canonicalize().map_err(|source| Error::Io { file: program.to_owned(), action: "start", source })
 }
 
 fn fault(program: &Path, reason: &str) -> Error {
@@ -101,6 +106,6 @@ mod tests {
         };
         assert!(said("/nowhere/wavetrace").contains("/nowhere/wavetrace: cannot start"));
         #[cfg(unix)]
-        assert!(said("false").contains("false: ended with"));
+        assert!(said("/bin/false").contains("/bin/false: ended with"));
     }
 }
