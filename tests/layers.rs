@@ -62,6 +62,7 @@ const LIBRARIES: &[(&str, &[&str])] = &[
     ("tobj", &["scene/obj.rs"]),
     ("rayon", &["render/schedule.rs", "accel/parallel.rs"]),
     ("rustix", &["bench/cpu.rs"]),
+    ("perf_event", &["probe/counters.rs"]),
     ("serde_json", &["scene/", "chart/", "cli/"]),
     ("csv", &["chart/row.rs"]),
     ("resvg", &["chart/raster.rs"]),

@@ -423,7 +423,7 @@ fn a_profile_shows_its_figures() {
     let names = page.value("[...document.querySelectorAll('section h2')].map((h) => h.textContent).join()");
     assert_eq!(
         names,
-        "Stages,Time by bounces,Lanes in use,Limits of the machine,Timeline,Memory,Plan,How to repeat this"
+        "Stages,Time by bounces,Lanes in use,Limits of the machine,Timeline,Hardware counters,Memory,Plan,How to repeat this"
     );
     assert!(page.number("document.querySelectorAll('[aria-label=Stages] tbody tr').length") >= 10.0);
     for (section, lines) in
@@ -436,6 +436,10 @@ fn a_profile_shows_its_figures() {
     let spans = "[aria-label=\"What the workers did\"] .point";
     assert!(page.number(&format!("document.querySelectorAll('{spans}').length")) >= 10.0);
     assert!(page.tip_on(&format!("{spans} rect")).contains(" ms from "));
+    // Counted, or told that there is nothing to count with.
+    let counters = page.value("document.querySelector('[aria-label=\"Hardware counters\"]').textContent");
+    let counters = counters.as_str().unwrap();
+    assert!(counters.contains("instructions/row") || counters.contains("this system gives none: "), "{counters}");
     let memory = page.value("document.querySelector('[aria-label=Memory] table').textContent");
     for part in ["scene: corners", "tree: nodes", "waves: path.throughput", "film: sums"] {
         assert!(memory.as_str().unwrap().contains(part), "{part} in {memory}");

@@ -259,6 +259,31 @@ fn stages_are_told_by_bounces() {
     }
 }
 
+/// Where the machine has counters, each stage that ran took cycles and instructions; else it is said why there are none.
+#[test]
+fn counters_are_read_or_it_is_said_why_not() {
+    let place = Place::new();
+    let stats = |more: &str| {
+        place.expect(0, &format!("scenes/small.json 4 --threads 2 -o a.png --stats s.json {more}"));
+        place.json("s.json")
+    };
+    let asked = stats("--counters");
+    let said = asked["counters"].as_str().unwrap();
+    for stage in asked["stages"].as_array().unwrap() {
+        let counted = &stage["counters"];
+        if said != "read" || stage["calls"] == 0 {
+            assert!(counted.is_null(), "{said}: {stage}");
+        } else if stage["items"].as_u64().unwrap() > 100 {
+            assert!(["cycles", "instructions"].iter().all(|name| counted[name].as_u64().unwrap() > 0), "{stage}");
+        }
+    }
+    assert!(said == "read" || said.starts_with("this system gives none: "), "{said}");
+    let plain = stats("");
+    assert!(plain["counters"].is_null() && plain["stages"][0]["counters"].is_null());
+    let (_, err) = place.expect(2, "scenes/small.json -o a.png --counters");
+    assert!(err.contains("--stats"), "{err}");
+}
+
 /// A sweep has a row for each scene, value and repeat, and draws each.
 #[test]
 fn a_sweep_has_all_values() {

@@ -191,6 +191,9 @@ pub struct RenderArgs {
     /// Write figures of the run: seconds, rays, stages, bytes
     #[arg(long, value_name = "FILE.json", help_heading = "Messages")]
     pub stats: Option<PathBuf>,
+    /// Read the machine's counters in each stage, for --stats; takes some per cent of the time itself
+    #[arg(long, requires = "stats", help_heading = "Messages")]
+    pub counters: bool,
     /// Write what each worker did when, for Perfetto and chrome://tracing
     #[arg(long, value_name = "FILE.json", help_heading = "Messages")]
     pub trace: Option<PathBuf>,
@@ -232,6 +235,7 @@ impl RenderArgs {
             tuning: self.tuning(),
             time_stages: self.stats.is_some(),
             timeline: self.trace.is_some(),
+            counters: self.counters,
         }
     }
     /// Choices of speed.
@@ -300,6 +304,7 @@ mod tests {
             "0.01",
             "--stats",
             "s.json",
+            "--counters",
             "--trace",
             "t.json",
             "--refill",
@@ -333,6 +338,7 @@ mod tests {
             tuning: Tuning { refill: false, tiles: false, streams: false, sort_always: true, job: 9 },
             time_stages: true,
             timeline: true,
+            counters: true,
         };
         assert_eq!(args.settings(), expected);
         assert_eq!(args.tone(), Tone { exposure_ev: -1.5, map: wavetrace::output::ToneMap::Max });

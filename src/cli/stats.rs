@@ -5,9 +5,10 @@ use super::choices::word;
 use super::render::Times;
 use super::units::rate;
 use serde_json::{Number, Value, json};
+use std::collections::BTreeMap;
 use std::fs;
 use wavetrace::lanes;
-use wavetrace::probe::StageRow;
+use wavetrace::probe::{COUNTED, Counters, StageRow};
 use wavetrace::render::{Rendered, Renderer, Settings};
 use wavetrace::wave::Plan;
 
@@ -99,6 +100,7 @@ fn document(run: &Run<'_>) -> Value {
         "cut_throughput": cut_share(rendered),
         "bad_samples": rendered.bad.len(),
         "first_bad_samples": bad,
+        "counters": counters(rendered, settings),
         "stages": rendered.stages.iter().map(|row| stage(row, plan)).collect::<Vec<_>>(),
         "bytes": {
             "world": world.bytes(),
@@ -131,6 +133,15 @@ fn stage(row: &StageRow, plan: &Plan) -> Value {
         "gb_per_s": bytes.map(|bytes| if seconds > 0.0 { bytes as f64 * row.items as f64 / seconds / 1e9 } else { 0.0 }),
         "flops_per_byte": flops_per_byte,
         "depths": depths.collect::<Vec<_>>(),
+        "counters": row.counted.map(|counted| COUNTED.into_iter().zip(counted).collect::<BTreeMap<_, _>>()),
+    })
+}
+
+/// Whether hardware counters were read, and if not, why: the reason, or null where they were not asked for.
+fn counters(rendered: &Rendered, settings: &Settings) -> Option<String> {
+    settings.counters.then(|| match rendered.stages.iter().any(|row| row.counted.is_some()) {
+        true => "read".to_owned(),
+        false => Counters::missing().unwrap_or_else(|| "no stage ran".to_owned()),
     })
 }
 

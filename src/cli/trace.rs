@@ -66,12 +66,12 @@ pub fn text(workers: &[Vec<Event>], phases: &[Phase]) -> String {
 mod tests {
     use super::*;
     use serde_json::Value;
-    use wavetrace::probe::{Clock, Probe, Stage};
+    use wavetrace::probe::{Asked, Clock, Probe, Stage};
 
     #[test]
     fn events_are_those_of_workers_and_phases() {
         let start = Instant::now();
-        let mut probe = Clock::new(true);
+        let mut probe = Clock::new(Asked { timeline: true, counters: false });
         probe.span(What::Visit, |probe| probe.stage(Stage::Shade, 7, || ()));
         let phases = [
             Phase { name: "load", start, length: Duration::from_millis(2) },

@@ -1,8 +1,10 @@
 //! What is measured inside the wave loop, and what it costs to measure nothing: no instruction.
 
+mod counters;
 mod timeline;
 mod times;
 
+pub use counters::{COUNTED, Counted, Counters};
 pub use timeline::{Clock, Event, What, thin};
 pub use times::{DEPTHS, DepthRow, StageRow, StageTimes};
 
@@ -76,8 +78,8 @@ impl Stage {
 
 /// Sees every stage run.
 pub trait Probe: Sized + Send {
-    /// Has seen nothing; `timeline` asks for events.
-    fn new(timeline: bool) -> Self;
+    /// Has seen nothing. On the thread that it sees.
+    fn new(asked: Asked) -> Self;
     /// Runs `work` on `items` rows as stage `stage`.
     fn stage<T>(&mut self, stage: Stage, items: usize, work: impl FnOnce() -> T) -> T;
     /// Runs work that holds stages, or none.
@@ -92,6 +94,15 @@ pub trait Probe: Sized + Send {
     fn seen(self) -> Seen {
         Seen::default()
     }
+}
+
+/// What is asked of a probe that measures.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Asked {
+    /// Events.
+    pub timeline: bool,
+    /// Hardware counters, where there are any.
+    pub counters: bool,
 }
 
 /// What a probe saw.
@@ -109,7 +120,7 @@ pub struct NoProbe;
 
 impl Probe for NoProbe {
     #[inline(always)]
-    fn new(_timeline: bool) -> Self {
+    fn new(_asked: Asked) -> Self {
         Self
     }
     #[inline(always)]

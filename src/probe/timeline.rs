@@ -1,6 +1,7 @@
 //! The clock in the stages: what they took, and for timelines what a worker did when.
 
-use super::{Probe, Seen, Stage, StageTimes};
+use super::counters::since;
+use super::{Asked, Counted, Counters, Probe, Seen, Stage, StageTimes};
 use std::time::{Duration, Instant};
 
 /// What takes time.
@@ -50,9 +51,10 @@ pub struct Event {
 const MOST: usize = 1 << 17;
 
 /// Sums up the time of each stage; where a timeline is asked for, notes when everything began and how long it took, too.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Clock {
     times: StageTimes,
+    counters: Option<Counters>,
     timeline: bool,
     events: Vec<Event>,
     /// Number of the span of work, and how many go on.
@@ -65,9 +67,10 @@ pub struct Clock {
 impl Clock {
     /// Notes that a stage ran, which began at `start`. Out of line: there are many calls, each once in a batch.
     #[inline(never)]
-    fn note(&mut self, stage: Stage, items: usize, start: Instant) {
+    fn note(&mut self, stage: Stage, items: usize, start: Instant, before: Option<Counted>) {
         let length = start.elapsed();
-        self.times.note(stage, items, length);
+        let counted = self.counters.as_mut().zip(before).map(|(counters, before)| since(&before, &counters.read()));
+        self.times.note(stage, items, length, counted);
         if self.timeline && items > 0 && self.span.trailing_zeros() >= self.sparse {
             self.push(Event { what: What::Stage(stage), start, length, items: items as u32, span: self.span });
         }
@@ -103,14 +106,16 @@ pub fn thin(events: &mut Vec<Event>, most: usize) {
 }
 
 impl Probe for Clock {
-    fn new(timeline: bool) -> Self {
-        Self { timeline, ..Self::default() }
+    fn new(asked: Asked) -> Self {
+        let counters = if asked.counters { Counters::open().ok() } else { None };
+        Self { counters, timeline: asked.timeline, ..Self::default() }
     }
     #[inline(always)]
     fn stage<T>(&mut self, stage: Stage, items: usize, work: impl FnOnce() -> T) -> T {
+        let before = self.counters.as_mut().map(Counters::read);
         let start = Instant::now();
         let result = work();
-        self.note(stage, items, start);
+        self.note(stage, items, start, before);
         result
     }
     fn span<T>(&mut self, what: What, work: impl FnOnce(&mut Self) -> T) -> T {
@@ -145,7 +150,7 @@ mod tests {
 
     #[test]
     fn stages_lie_in_their_spans() {
-        let mut probe = Clock::new(true);
+        let mut probe = Clock::new(Asked { timeline: true, counters: false });
         probe.span(What::Visit, |probe| {
             probe.stage(Stage::Shade, 3, || ());
             probe.stage(Stage::Emit, 0, || ());
@@ -163,19 +168,19 @@ mod tests {
 
     #[test]
     fn long_renders_keep_all_spans_and_stages_of_some() {
-        let mut probe = Clock::new(true);
+        let mut probe = Clock::new(Asked { timeline: true, counters: false });
         let spans = 20_000;
         for _ in 0..spans {
             probe.span(What::Visit, |probe| (0..10).for_each(|_| probe.stage(Stage::Shade, 1, || ())));
         }
-        let events = probe.clone().seen().events;
+        let Seen { stages: counted, events } = probe.seen();
         assert!(events.len() <= MOST, "{}", events.len());
         let visits = events.iter().filter(|e| e.what == What::Visit).count();
         assert_eq!(visits, spans);
         let stages: Vec<_> = events.iter().filter(|e| e.what != What::Visit).collect();
         assert!(stages.len() >= 10 * spans / 4 && stages.iter().all(|e| e.span % 2 == 0), "{}", stages.len());
         // What is counted is all of it.
-        assert_eq!(probe.seen().stages.iter().map(|row| row.items).sum::<u64>(), 10 * spans as u64);
+        assert_eq!(counted.iter().map(|row| row.items).sum::<u64>(), 10 * spans as u64);
 
         let mut fewer = events.clone();
         thin(&mut fewer, 30_000);

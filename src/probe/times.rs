@@ -1,6 +1,6 @@
 //! Calls, rows and time of each stage, in all and by the number of bounces.
 
-use super::Stage;
+use super::{Counted, Stage};
 use crate::lanes::MAX_LANES;
 use std::time::Duration;
 
@@ -23,6 +23,8 @@ pub struct StageRow {
     pub lanes: u64,
     /// Time spent in it, summed over threads.
     pub time: Duration,
+    /// What hardware counters counted in it, summed over threads; `None` where none was read.
+    pub counted: Option<Counted>,
     /// The same by the number of bounces of the paths; all 0 for stages whose rows have none.
     pub depths: [DepthRow; DEPTHS],
 }
@@ -40,7 +42,7 @@ pub struct DepthRow {
 impl StageRow {
     fn new(stage: Stage) -> Self {
         let depths = [DepthRow::default(); DEPTHS];
-        Self { stage, calls: 0, items: 0, lanes: 0, time: Duration::ZERO, depths }
+        Self { stage, calls: 0, items: 0, lanes: 0, time: Duration::ZERO, counted: None, depths }
     }
     /// Share of the lanes that held a row; 1 where none were spent.
     pub fn occupancy(&self) -> f64 {
@@ -50,12 +52,19 @@ impl StageRow {
     pub fn ns_per_item(&self) -> f64 {
         if self.items == 0 { 0.0 } else { self.time.as_secs_f64() * 1e9 / self.items as f64 }
     }
+    fn count(&mut self, counted: Option<Counted>) {
+        if let Some(counted) = counted {
+            let sum = self.counted.get_or_insert_default();
+            sum.iter_mut().zip(counted).for_each(|(sum, count)| *sum += count);
+        }
+    }
     /// Adds what the same stage did elsewhere.
     pub fn add(&mut self, other: &Self) {
         self.calls += other.calls;
         self.items += other.items;
         self.lanes += other.lanes;
         self.time += other.time;
+        self.count(other.counted);
         for (sum, row) in self.depths.iter_mut().zip(&other.depths) {
             sum.items += row.items;
             sum.seconds += row.seconds;
@@ -79,10 +88,11 @@ impl Default for StageTimes {
 
 impl StageTimes {
     /// Notes that a stage ran.
-    pub(super) fn note(&mut self, stage: Stage, items: usize, time: Duration) {
+    pub(super) fn note(&mut self, stage: Stage, items: usize, time: Duration, counted: Option<Counted>) {
         let row = &mut self.rows[stage as usize];
         row.time += time;
         row.calls += 1;
+        row.count(counted);
         row.items += items as u64;
         row.lanes += items.next_multiple_of(MAX_LANES) as u64;
         let (items, seconds) = (items as f64, time.as_secs_f64());
@@ -141,22 +151,27 @@ mod tests {
     fn rows_fill_lanes_eight_at_a_time() {
         let mut probe = StageTimes::default();
         for items in [16, 9, 0, 1] {
-            probe.note(Stage::Shade, items, Duration::ZERO);
+            probe.note(Stage::Shade, items, Duration::ZERO, Some([2, 3, 5, 7]));
         }
         let (none, row) = (row(&probe, Stage::Generate), row(&probe, Stage::Shade));
         assert_eq!((row.calls, row.items, row.lanes), (4, 26, 40));
+        assert_eq!((row.counted, none.counted), (Some([8, 12, 20, 28]), None));
+        let mut both = row;
+        both.add(&none);
+        both.add(&row);
+        assert_eq!((both.items, both.counted), (52, Some([16, 24, 40, 56])));
         assert_eq!((row.occupancy(), none.occupancy(), none.ns_per_item()), (0.65, 1.0, 0.0));
     }
 
     #[test]
     fn rows_and_time_are_shared_out_by_bounces() {
         let mut probe = StageTimes::default();
-        probe.note(Stage::Generate, 30, Duration::ZERO);
+        probe.note(Stage::Generate, 30, Duration::ZERO, None);
         // One path in four has bounced; of these every fourth tells: once, or as often as is told apart or more.
         let old = [1, 7, 7, 7, 99, 7, 7, 7].repeat(10);
         probe.wave(&[old, vec![0; 240]].concat(), 240);
-        probe.note(Stage::Shade, 16, Duration::from_secs(8));
-        probe.note(Stage::Accumulate, 16, Duration::from_secs(8));
+        probe.note(Stage::Shade, 16, Duration::from_secs(8), None);
+        probe.note(Stage::Accumulate, 16, Duration::from_secs(8), None);
         let shade = row(&probe, Stage::Shade);
         let by = |depth: usize| (shade.depths[depth].items, shade.depths[depth].seconds);
         assert_eq!([0, 1, 2, DEPTHS - 1].map(by), [(12.0, 6.0), (2.0, 1.0), (0.0, 0.0), (2.0, 1.0)]);

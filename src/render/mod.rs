@@ -1,5 +1,7 @@
 //! Rendering a world: settings, jobs, workers, results.
 
+#[cfg(test)]
+mod closed_forms;
 mod merge;
 mod reference;
 mod rounds;

@@ -112,7 +112,7 @@ pub(super) fn survey<P: Probe>(cx: &Context<'_>, settings: &Settings) -> Result<
     let count = count.max(SURVEY_JOB);
     let next = AtomicUsize::new(0);
     let work = pool(settings)?.broadcast(|_| {
-        let (mut probe, mut counts, mut found) = (P::new(settings.timeline), Counts::default(), Vec::new());
+        let (mut probe, mut counts, mut found) = (P::new(settings.asked()), Counts::default(), Vec::new());
         loop {
             let job = next.fetch_add(1, Ordering::Relaxed) as u64;
             let first = job * SURVEY_JOB;
@@ -153,7 +153,7 @@ pub(super) fn run<S: Sampler, P: Probe>(
     let order = Order { tiles: grid.tiles(), visits: grid.visits() as usize, lights };
     let shared = Shared { next: AtomicUsize::new(0), merge: Mutex::new(Merge::new(film, order.tiles)) };
     let work = pool.broadcast(|_| {
-        let mut probe = P::new(settings.timeline);
+        let mut probe = P::new(settings.asked());
         let mut counts = Counts::default();
         let mut wave = (settings.integrator == Integrator::Wavefront).then(|| Wave::<S>::new(cx));
         let mut light = (wave.is_some() && cx.plan.caustics()).then(|| LightWave::<S>::new(cx));

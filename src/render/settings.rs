@@ -2,6 +2,7 @@
 
 use super::rounds::REPLICATES;
 use crate::error::{Error, Result};
+use crate::probe::Asked;
 use crate::wave::{Method, Tuning};
 use std::time::Duration;
 
@@ -72,6 +73,9 @@ pub struct Settings {
     pub time_stages: bool,
     /// Whether it is noted, too, what each worker did when.
     pub timeline: bool,
+    /// Whether hardware counters are read before and after each stage, where the machine has them; that takes some per cent of
+    /// the time itself.
+    pub counters: bool,
 }
 
 impl Default for Settings {
@@ -92,6 +96,7 @@ impl Default for Settings {
             tuning: Tuning::default(),
             time_stages: false,
             timeline: false,
+            counters: false,
         }
     }
 }
@@ -116,7 +121,10 @@ impl Settings {
     }
     /// Whether there is a clock in the stages.
     pub(super) fn is_timed(&self) -> bool {
-        self.time_stages || self.timeline
+        self.time_stages || self.timeline || self.counters
+    }
+    pub(super) fn asked(&self) -> Asked {
+        Asked { timeline: self.timeline, counters: self.counters }
     }
     pub(super) fn check(&self) -> Result<()> {
         let wrong = |setting, found: usize, expected: String| {

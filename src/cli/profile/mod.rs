@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 use wavetrace::bench::suite::{Limits, limits};
 use wavetrace::error::Error;
 use wavetrace::output;
+use wavetrace::probe::Counters;
 use wavetrace::render::{Control, Rendered, Renderer, Settings};
 use wavetrace::wave::{Plan, Tuning};
 
@@ -34,6 +35,8 @@ pub struct Profile<'a> {
     pub start: Instant,
     /// The same without refilled waves: all paths of a wave have the same number of bounces.
     pub by_depth: &'a Rendered,
+    /// The same with the machine's counters read in each stage; or why there are none.
+    pub counted: Result<Rendered, String>,
     /// What the machine can do.
     pub limits: Limits,
     /// Reading the scene, building the tree.
@@ -66,6 +69,12 @@ pub fn run(args: &ProfileArgs) -> Result<Exit, Exit> {
     let usual = renderer.render(&settings, &Control::default()).map_err(fail)?;
     let unfilled =
         Settings { tuning: Tuning { refill: false, ..settings.tuning }, timeline: false, ..settings.clone() };
+    let counted = match Counters::missing() {
+        Some(reason) => Err(reason),
+        None => Ok(renderer
+            .render(&Settings { timeline: false, counters: true, ..settings.clone() }, &Control::default())
+            .map_err(fail)?),
+    };
     let by_depth = renderer.render(&unfilled, &Control::default()).map_err(fail)?;
 
     let profile = Profile {
@@ -76,6 +85,7 @@ pub fn run(args: &ProfileArgs) -> Result<Exit, Exit> {
         usual: &usual,
         start,
         by_depth: &by_depth,
+        counted,
         limits,
         before,
     };

@@ -9,7 +9,7 @@ use wavetrace::chart::draw::panel_element;
 use wavetrace::chart::number::figure;
 use wavetrace::chart::svg::escape;
 use wavetrace::chart::{Build, Machine, Sheet};
-use wavetrace::probe::StageRow;
+use wavetrace::probe::{COUNTED, StageRow};
 
 /// A heading and what stands below it; `text` and `content` are HTML.
 fn section(title: &str, text: &str, content: &str) -> String {
@@ -59,6 +59,7 @@ impl Profile<'_> {
                 "Some milliseconds from the middle of the render. <code>--trace</code> writes all of it for Perfetto.",
                 &format!(r#"<div class="panels">{}</div>"#, self.timeline()),
             ),
+            self.counters(),
             section("Memory", "What is held while the render runs, column by column.", &self.memory()),
             section("Plan", "Which stages this scene needs, and which it leaves out.", &format!("<pre>{}</pre>", escape(&self.plan.to_string()))),
         ]
@@ -115,8 +116,7 @@ impl Profile<'_> {
 
     fn about_stages(&self) -> String {
         "The render as it is without this instrument, but for its clocks. GB/s are those of queues and samples for each \
-         thread at work; what is looked up in the scene (the tree, corners, materials, lights) comes on top. Hardware \
-         counters: absent, this build reads none."
+         thread at work; what is looked up in the scene (the tree, corners, materials, lights) comes on top."
             .to_owned()
     }
 
@@ -141,6 +141,27 @@ impl Profile<'_> {
         };
         let rows: Vec<_> = self.usual.stages.iter().filter(|row| row.items > 0).map(row).collect();
         table(&["stage", "share", "ms", "runs", "rows", "ns/row", "lanes", "bytes/row", "GB/s", "flops/byte"], &rows)
+    }
+
+    fn counters(&self) -> String {
+        let title = "Hardware counters";
+        let counted = match &self.counted {
+            Ok(counted) => counted,
+            Err(reason) => return section(title, &format!("None: {}.", escape(reason)), ""),
+        };
+        let row = |row: &StageRow| {
+            let counts = row.counted?;
+            let each = counts.map(|count| count as f64 / row.items as f64);
+            let cells = each.iter().map(|&each| figure(each));
+            let per_cycle = figure(each[1] / each[0].max(1e-9));
+            Some([row.stage.name().to_owned()].into_iter().chain(cells).chain([per_cycle]).collect())
+        };
+        let rows: Vec<Vec<String>> = counted.stages.iter().filter(|row| row.items > 0).filter_map(row).collect();
+        let text = "For each row of a stage, of a render in which they are read before and after each run of a stage.";
+        let head: Vec<String> = COUNTED.iter().map(|name| format!("{}/row", name.replace('_', " "))).collect();
+        let head: Vec<&str> =
+            ["stage"].into_iter().chain(head.iter().map(String::as_str)).chain(["instructions/cycle"]).collect();
+        section(title, text, &table(&head, &rows))
     }
 
     fn about_roof(&self) -> String {
