@@ -112,11 +112,12 @@ pub(super) mod tests {
             let refs = references(count);
             let found = Extent::of(&refs);
             for axis in 0..3 {
-                let least = |of: &dyn Fn(&Reference) -> f32| refs.iter().map(of).fold(f32::INFINITY, f32::min);
-                let (lo, hi) = (least(&|r| r.0[axis]), -least(&|r| r.0[axis + 4]));
+                let least = |row: usize| refs.iter().map(|r| r.0[row]).fold(f32::INFINITY, f32::min);
+                let (lo, hi) = (least(axis), -least(axis + 4));
                 let bounds = found.bounds.array();
                 assert_eq!((bounds[axis], -bounds[axis + 4]), (lo, hi));
-                assert_eq!(found.centres.array()[axis], least(&|r| r.0[axis] - r.0[axis + 4]));
+                let middle = refs.iter().map(|r| r.0[axis] - r.0[axis + 4]).fold(f32::INFINITY, f32::min);
+                assert_eq!(found.centres.array()[axis], middle);
                 assert_eq!((found.aabb().min[axis], found.aabb().max[axis]), (lo, hi));
             }
         }
