@@ -239,12 +239,24 @@ mod tests {
     use super::*;
 
     #[test]
+    fn what_was_traced_adds_up() {
+        let of =
+            |camera, bounce, shadow, light, cut| Counts { camera, bounce, shadow, light, cut, cut_throughput: 0.5 };
+        let (mut all, more) = (of(2, 3, 5, 7, 11), of(100, 200, 300, 400, 500));
+        assert_eq!((all.rays(), more.rays()), (17, 1000));
+        all.add(&more);
+        all.cut(Vec3::splat([0.25, 0.5, 0.75]));
+        assert_eq!((all.camera, all.bounce, all.shadow, all.light, all.cut), (102, 203, 305, 407, 512));
+        assert_eq!(all.cut_throughput, 1.5);
+    }
+
+    #[test]
     fn waves_are_filled_in_whole_tiles() {
         assert_eq!(refill(2048, 4096, 2048), 2048);
         assert_eq!(refill(700, 4096, 2048), 640);
         assert_eq!(refill(63, 4096, 2048), 0);
         assert_eq!(refill(700, 65, 2048), 65);
-        assert_eq!(refill(63, 4096, 511), 63);
+        assert_eq!((refill(63, 4096, 511), refill(63, 4096, 512)), (63, 0));
         assert_eq!(refill(0, 0, 1), 0);
     }
 }
