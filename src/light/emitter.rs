@@ -148,7 +148,10 @@ pub(super) mod tests {
     fn others_stay_apart() {
         let kite = triangle([SQUARE[0], SQUARE[2], [0.2, 0.95, 1.0]], 2.0);
         let folded = triangle([SQUARE[0], SQUARE[2], [0.1, 0.9, 1.01]], 2.0);
+        // One corner in common, and the corner of the parallelogram that is left.
+        let past = std::array::from_fn(|k| 1.5 * SQUARE[0][k] - 0.5 * SQUARE[1][k]);
         for (what, other) in [
+            ("longer", triangle([SQUARE[3], past, SQUARE[2]], 2.0)),
             ("brighter", of([0, 2, 3], 2.1)),
             ("facing away", of([0, 3, 2], 2.0)),
             ("the same triangle", of([0, 1, 2], 2.0)),

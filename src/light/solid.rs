@@ -144,6 +144,16 @@ mod tests {
         4.0 * (a * b / (h * (a * a + b * b + h * h).sqrt())).atan()
     }
 
+    /// Of nearly equal products nothing is lost, where a multiply-add is fused.
+    #[test]
+    fn differences_keep_their_digits() {
+        let (a, c) = (1.0 + f32::EPSILON, 1.0 + 2.0 * f32::EPSILON);
+        let fused = Lanes::mul_add(a, a, -(a * a)) != 0.0;
+        let found = difference([a, a], [c, 1.0]);
+        assert_eq!(found, if fused { f32::EPSILON * f32::EPSILON } else { 0.0 });
+        assert_eq!(difference([3.0, 5.0], [7.0, 2.0]), 1.0f32);
+    }
+
     #[test]
     fn solid_angles_are_those_of_rectangles_down_to_contact() {
         for h in [0.9f32, 0.3, 0.1, 1e-2, 1e-4, 1e-6] {
