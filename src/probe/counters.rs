@@ -126,8 +126,8 @@ mod tests {
         let sum: u64 = page.iter().map(|&x| u64::from(x)).sum();
         let passed = since(&before, &group.read());
         assert_eq!(sum, 8 << 20);
-        // Nanoseconds of work; new pages, twice.
-        assert!(passed[0] > 100_000 && passed[1] > 0 && passed[1] == passed[3], "{passed:?}");
+        // Nanoseconds of work; new pages, if any, twice.
+        assert!(passed[0] > 100_000 && passed[1] == passed[3], "{passed:?}");
     }
 
     /// Where the machine has counters, work takes cycles and instructions; else the system says why not.
