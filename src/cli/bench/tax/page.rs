@@ -83,7 +83,7 @@ impl Page<'_> {
         let method = match self.by {
             Measure::Instructions => {
                 "Instructions are counted by callgrind, of renders on one thread with two numbers of samples, so that reading \
-                 and building cancel out. Counts repeat to about 0.01 %; what a compiler happens to do otherwise in a build \
+                 and building cancel out. What a compiler happens to do otherwise in a build \
                  that is smaller is in them, in either direction."
                     .to_owned()
             }
