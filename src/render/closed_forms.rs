@@ -13,7 +13,7 @@ const METHODS: [Method; 3] = [Method::Path, Method::Nee, Method::Mis];
 
 /// A parallelogram by its middle and half its edges.
 #[derive(Clone, Copy)]
-struct Patch {
+pub(super) struct Patch {
     middle: DVec3,
     edges: [DVec3; 2],
 }
@@ -23,7 +23,7 @@ impl Patch {
         let [e, f] = self.edges;
         [-e - f, e - f, e + f, f - e].map(|offset| self.middle + offset)
     }
-    fn mesh(&self) -> Mesh {
+    pub fn mesh(&self) -> Mesh {
         let positions = self.corners().map(|corner| corner - self.middle).to_vec();
         Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() }
     }
@@ -38,7 +38,7 @@ impl Patch {
     }
 }
 
-fn patch(middle: [f64; 3], e: [f64; 3], f: [f64; 3]) -> Patch {
+pub(super) fn patch(middle: [f64; 3], e: [f64; 3], f: [f64; 3]) -> Patch {
     Patch { middle: middle.into(), edges: [e.into(), f.into()] }
 }
 
@@ -76,17 +76,17 @@ fn diffuse(albedo: f32, mattness: f32) -> MaterialInput {
     MaterialInput::Diffuse { color: [albedo; 3], mattness }
 }
 
-fn lamp(radiance: f32) -> MaterialInput {
+pub(super) fn lamp(radiance: f32) -> MaterialInput {
     MaterialInput::Luminous { radiance: [radiance; 3] }
 }
 
-fn floor(albedo: f32) -> (Mesh, DVec3, MaterialInput) {
+pub(super) fn floor(albedo: f32) -> (Mesh, DVec3, MaterialInput) {
     let floor = patch([0.0; 3], [3.0, 0.0, 0.0], [0.0, 3.0, 0.0]);
     (floor.mesh(), floor.middle, diffuse(albedo, 1.0))
 }
 
 /// The floor seen from the side and below lamps that are `height` above it at least.
-fn seen(objects: &[(Mesh, DVec3, MaterialInput)], at: DVec3, height: f64) -> Renderer {
+pub(super) fn seen(objects: &[(Mesh, DVec3, MaterialInput)], at: DVec3, height: f64) -> Renderer {
     scene(objects, 0.0, at + DVec3::new(0.9, -1.1, 0.5) * height, at, 0.1)
 }
 

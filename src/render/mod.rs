@@ -4,6 +4,7 @@
 mod closed_forms;
 mod merge;
 mod reference;
+mod replay;
 mod rounds;
 mod schedule;
 mod settings;

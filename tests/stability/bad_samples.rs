@@ -1,7 +1,6 @@
 //! A sample that is not a number.
 
 use crate::common::{samples, settings, worlds};
-use crate::replay::replay;
 use crate::row::{Finding, Part, Row};
 use std::collections::BTreeSet;
 use wavetrace::film::{BadSample, Film, Pixel};
@@ -19,8 +18,8 @@ pub const ROW: Row = Row {
         with them the fault.",
     remedy: "Each sample is looked at before it enters the film. One that is not finite is left out, counted, and \
         told by pixel and number, in the closing lines of the program and as `bad_samples` and `first_bad_samples` \
-        in `--stats`. Filters are one pixel wide. A sample depends on seed, pixel and number alone: a job of one \
-        sample traces it again, in the library; the program has no option for that. Of what a light path brings, the \
+        in `--stats`. Filters are one pixel wide. A sample depends on seed, pixel and number alone: \
+        `Renderer::sample` of the library traces it again; the program has no option for that. Of what a light path brings, the \
         pixel alone is told.",
     source: "after Pharr, Jakob and Humphreys 2023, section 1.3, who leave it out with a message",
     run,
@@ -83,7 +82,7 @@ fn check(renderer: &Renderer, settings: &Settings, strong: &Rendered, plain: &Fi
             continue;
         }
         // Traced again one by one, the same samples are bad, and the film holds the others.
-        let all: Vec<_> = (0..SPP).map(|sample| replay(renderer, settings, at, sample)).collect();
+        let all: Vec<_> = (0..SPP).map(|sample| renderer.sample(settings, at, sample).unwrap()).collect();
         let bad: Vec<u32> = (0..SPP).filter(|&sample| !is_finite(all[sample as usize])).collect();
         assert_eq!(told, bad, "pixel {at:?}");
         let mut good = Pixel::default();

@@ -5,7 +5,6 @@ use crate::common::stats::Family;
 use crate::common::worlds::{Scene, camera, diffuse, lamp};
 use crate::common::{samples, settings};
 use crate::curve::{Axes, curve, dots, svg};
-use crate::replay::replay;
 use crate::row::{Finding, Part, Picture, ROW_FAMILIES, Row};
 use plotters::prelude::SeriesLabelPosition;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
@@ -102,7 +101,7 @@ fn run() -> Finding {
         .with(inverted(patch(0.0, 0.0, 1.5, 1.0, 1.0)), lamp(1.0))
         .renderer();
     let set = settings(Method::Nee, SamplerKind::Sobol, u32::MAX, 1);
-    let at = |sample: u32| replay(&renderer, &set, [0, 0], sample);
+    let at = |sample: u32| renderer.sample(&set, [0, 0], sample).unwrap();
     let again = (0..256).filter(|&i| at(i) == at(i + BLOCK as u32) || at(i) == at(i.wrapping_sub(256))).count();
     assert_eq!(again, 0, "samples come again");
 

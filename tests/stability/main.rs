@@ -11,7 +11,6 @@ mod curve;
 mod lambert;
 mod lobe;
 mod page;
-mod replay;
 mod row;
 mod textbook;
 mod walk;
