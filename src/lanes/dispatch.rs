@@ -4,7 +4,7 @@
 //!
 //! # Unsafe code
 //!
-//! A function with `target_feature` may be called where the processor has the features. [`with_avx2`] and [`fused`] are
+//! A function with `target_feature` may be called where the processor has the features. [`WithAvx2::with_avx2`] and [`fused`] are
 //! called after [`uses_avx2`] said so; a processor does not lose features. Nothing else can name the AVX2 form, which is
 //! private to `lanes`: so none of its methods runs without that answer.
 
@@ -29,7 +29,7 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Out {
     #[cfg(target_arch = "x86_64")]
     if uses_avx2() {
         // SAFETY: the machine has the features.
-        return unsafe { with_avx2(kernel) };
+        return unsafe { kernel.with_avx2() };
     }
     kernel.run::<F32x8>()
 }
@@ -107,11 +107,17 @@ fn uses_avx2() -> bool {
     false
 }
 
+/// A method that all kernels are given, not a function: the compiler puts it with its kernel's module and compiles modules side
+/// by side, where all instances of a function wait for each other.
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn with_avx2<K: Kernel>(kernel: K) -> K::Out {
-    kernel.run::<Avx2>()
+trait WithAvx2: Kernel + Sized {
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    unsafe fn with_avx2(self) -> Self::Out {
+        self.run::<Avx2>()
+    }
 }
+#[cfg(target_arch = "x86_64")]
+impl<K: Kernel> WithAvx2 for K {}
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "fma")]
