@@ -6,7 +6,7 @@ use crate::lanes::{Kernel, Vec3, Wide, dispatch};
 use crate::material::{Kind, Lobe, Materials, Table, for_kind};
 use crate::sampling::Sampler;
 use crate::wave::{
-    Context, Counts, First, HitRow, Job, Path, Plan, Reversed, Samples, Shaded, Splat, Splats, aim_rows,
+    Context, Counts, First, Focused, HitRow, Job, Path, Plan, Reversed, Samples, Shaded, Splat, Splats, aim_rows,
     background_radiance, camera_paths, emitted_radiance, light_paths, scatter_rows, shade_rows, shadow_rays,
 };
 use std::marker::PhantomData;
@@ -76,7 +76,7 @@ impl Reference {
                 return;
             }
             let mut out: Option<Shaded<f32>> = None;
-            for_kind!(kind, M => out = Some(shade_rows::<M, S, f32, true>(world, plan, spots, path, scale, first, &row)));
+            for_kind!(kind, M => out = Some(shade_rows::<M, S, f32, Focused>(world, plan, spots, path, scale, first, &row)));
             let Some(out) = out else { return };
             if out.connected {
                 counts.shadow += 1;
@@ -130,7 +130,7 @@ impl Reference {
             let mut out: Option<Shaded<f32>> = None;
             let none = First::none();
             for_kind!(kind, M => {
-                out = Some(shade_rows::<M, S, f32, true>(world, &self.aimed, spots, path, scale, none, &row));
+                out = Some(shade_rows::<M, S, f32, Focused>(world, &self.aimed, spots, path, scale, none, &row));
             });
             let Some(out) = out else { return };
             (path, scale, goes_on, bounced) = (out.path, out.scale, out.alive, true);

@@ -25,6 +25,8 @@ impl Kernel for Route<'_> {
         q.escaped.clear();
         q.alive.clear();
         let deepest = W::splat(plan.max_depth as f32);
+        let Plan { escape, emit, .. } = *plan;
+        let listed: &[Kind] = if plan.sole_kind() { &[] } else { &plan.kinds };
         for first in (0..q.paths.len()).step_by(MAX_LANES) {
             let rows = Rows::range(first, MAX_LANES.min(q.paths.len() - first));
             let triangles = q.hits.triangle::<W>(&rows).array();
@@ -36,10 +38,10 @@ impl Kernel for Route<'_> {
             let kinds = W::from_u24(W::Uint::load(&kinds));
             let set = |kind: usize| kinds.eq(W::splat(kind as f32)).bits() & rows.live();
             let (escaped, luminous) = (set(Kind::COUNT), set(Kind::Luminous as usize));
-            if plan.escape {
+            if escape {
                 q.escaped.append::<W>(first, escaped);
             }
-            if plan.emit {
+            if emit {
                 q.by_kind[Kind::Luminous as usize].append::<W>(first, luminous);
             }
             let hit = rows.live() & !(escaped | luminous);
@@ -51,10 +53,8 @@ impl Kernel for Route<'_> {
                 counts.cut(q.paths.throughput::<f32>(&row) * (1.0 / scale));
                 cut &= cut - 1;
             }
-            if !plan.sole_kind() {
-                for &kind in &plan.kinds {
-                    q.by_kind[kind as usize].append::<W>(first, set(kind as usize) & alive);
-                }
+            for &kind in listed {
+                q.by_kind[kind as usize].append::<W>(first, set(kind as usize) & alive);
             }
             q.alive.push(alive as u8);
         }

@@ -1,11 +1,12 @@
 //! Scattering at surfaces of one kind: connects to a light, chooses the next ray, plays roulette.
 
 use super::caustic::aim::{Aims, aims, ratio};
+use super::caustic::first::{first_density, reversible};
+use super::form::{Focused, Form, Plain, Rich};
 use super::plan::{Plan, PrevPdf};
 use super::queues::{First, HitRow, Normal, Path, Queues, Scale, Shadow};
 use super::roulette::alive;
 use super::surface::{Surface, off_surface};
-use crate::camera::View;
 use crate::columns::Rows;
 use crate::lanes::{Frame, Kernel, Lanes, LanesU32, MAX_LANES, Mask, Vec3, Wide, select3};
 use crate::light::{Receiver, Spots};
@@ -35,11 +36,11 @@ pub struct Shaded<L: Lanes> {
     pub aims: Aims<L>,
 }
 
-/// Density and value of the lobe in world direction `wi`, on the path's side of the surface. Directions that an
-/// interpolated normal would send into the surface are folded out of it: what is folded onto `wi` adds to it.
+/// Density and value of the lobe in world direction `wi`, on the path's side of the surface. Where the scene is `smooth`, directions
+/// that an interpolated normal would send into the surface are folded out of it: what is folded onto `wi` adds to it.
 #[inline(always)]
 pub(super) fn eval<M: Lobe, L: Lanes>(
-    world: &World,
+    smooth: bool,
     p: &M::Params<L>,
     surface: &Surface<L>,
     frame: &Frame<L>,
@@ -47,7 +48,7 @@ pub(super) fn eval<M: Lobe, L: Lanes>(
     wi: Vec3<L>,
 ) -> Evaluated<L> {
     let direct = M::eval(p, wo, frame.to_local(wi));
-    if world.normals.is_none() {
+    if !smooth {
         return direct;
     }
     let folded = M::eval(p, wo, frame.to_local(surface.mirror(wi)));
@@ -63,23 +64,6 @@ where
     let ids = hit.triangle.array();
     let rows = Table::<M>::rows(&world.materials);
     M::params(L::columns4(|i| &rows[world.lobes[ids.as_ref()[i] as usize].row()]))
-}
-
-/// Density of a path's first bounce as [`First`] has it: `pdf` that of the direction of scattering at `surface`, `wi`, per
-/// solid angle, `way` the camera ray.
-#[inline(always)]
-pub(super) fn first_density<L: Lanes>(view: &View, surface: &Surface<L>, way: Vec3<L>, wi: Vec3<L>, pdf: L) -> L {
-    let distance2 = way.length2();
-    let direction = way * (L::splat(1.0) / distance2.sqrt());
-    let cos = surface.ng.dot(direction).abs();
-    pdf / surface.ng.dot(wi).abs() * view.pixel_density(direction) * cos / distance2
-}
-
-/// Whether light that is scattered between two directions could come the other way with the same lobe: see
-/// [`Surface::regular`].
-#[inline(always)]
-pub(super) fn reversible<L: Lanes>(surface: &Surface<L>, seen: Vec3<L>, other: Vec3<L>, through: L::Mask) -> L::Mask {
-    surface.regular(seen, L::Mask::splat(false)) & surface.regular(other, through)
 }
 
 /// The numbers that a direction of scattering takes.
@@ -100,9 +84,9 @@ pub(super) fn draw<M: Lobe, S: Sampler, L: Lanes>(path: &mut Path<L>) -> [L; 3] 
     }
 }
 
-/// One bounce of a group of paths at surfaces of kind `M`. Without `FOCUS`, the plan must trace no light paths.
+/// One bounce of a group of paths at surfaces of kind `M`. Form `F` must have all that the plan needs.
 #[inline(always)]
-pub fn shade_rows<M: Lobe, S: Sampler, L: Lanes, const FOCUS: bool>(
+pub fn shade_rows<M: Lobe, S: Sampler, L: Lanes, F: Form>(
     world: &World,
     plan: &Plan,
     spots: &Spots,
@@ -118,7 +102,9 @@ where
     let came = path;
     let p = params::<M, L>(world, hit);
     let wo_world = -path.direction;
-    let surface = Surface::new(world, hit, wo_world);
+    let normals = world.normals.as_deref().filter(|_| F::EXTRAS);
+    let smooth = normals.is_some();
+    let surface = Surface::with(world, normals, hit, wo_world);
     let frame = Frame::about(surface.ns);
     let wo = frame.to_local(wo_world);
 
@@ -128,7 +114,7 @@ where
     if plan.connect && !M::DELTA {
         let origin = surface.spawn(L::Mask::splat(false));
         let u = S::draw::<L, 2>(&mut path.rng, Decision::Light, path.depth);
-        let pick = if world.lights.depend_on_receiver() {
+        let pick = if F::EXTRAS && world.lights.depend_on_receiver() {
             S::draw::<L, 1>(&mut path.rng, Decision::Pick, path.depth)[0]
         } else {
             zero
@@ -139,7 +125,7 @@ where
         let distance2 = way.length2();
         let wi = way * (one / distance2.sqrt());
         let cos_light = light.normal.dot(wi);
-        let lobe = eval::<M, L>(world, &p, &surface, &frame, wo, wi);
+        let lobe = eval::<M, L>(smooth, &p, &surface, &frame, wo, wi);
         // One over the density per solid angle.
         let inverse = cos_light.abs() / (light.pdf_area * distance2);
         let weight = match plan.prev_pdf {
@@ -162,10 +148,10 @@ where
         _ if M::DELTA => L::splat(f32::INFINITY),
         PrevPdf::Always => L::splat(f32::INFINITY),
         PrevPdf::Never => zero,
-        PrevPdf::Density => eval::<M, L>(world, &p, &surface, &frame, wo, wi).pdf,
+        PrevPdf::Density => eval::<M, L>(smooth, &p, &surface, &frame, wo, wi).pdf,
     };
     let mut look = Aims::none(&came);
-    if FOCUS && plan.caustics() {
+    if F::FOCUS && plan.caustics() {
         if M::DELTA {
             first.aimed = ratio(spots, &came, first.aimed);
         } else {
@@ -204,7 +190,13 @@ where
     type Out = ();
     #[inline(always)]
     fn run<W: Wide>(self) {
-        if self.plan.caustics() { self.rows::<W, true>() } else { self.rows::<W, false>() }
+        if self.plan.caustics() {
+            self.rows::<W, Focused>();
+        } else if !M::TRANSMITS && self.plan.is_plain(self.world) {
+            self.rows::<W, Plain>();
+        } else {
+            self.rows::<W, Rich>();
+        }
     }
 }
 
@@ -212,9 +204,8 @@ impl<M: Lobe, S: Sampler> Shade<'_, M, S>
 where
     Materials: Table<M>,
 {
-    /// A scene without focused light does not carry what its weights need through registers.
     #[inline(always)]
-    fn rows<W: Wide, const FOCUS: bool>(self) {
+    fn rows<W: Wide, F: Form>(self) {
         let Self { q, kind, world, plan, spots, .. } = self;
         let far = world.is_far();
         if plan.sole_kind() {
@@ -225,16 +216,16 @@ where
                 if far && next < q.paths.len() {
                     world.prefetch(q.hits.triangle::<W>(&Rows::range(next, MAX_LANES.min(q.paths.len() - next))));
                 }
-                let out = shade_group::<M, S, W, FOCUS>(q, &rows, world, plan, spots);
+                let out = shade_group::<M, S, W, F>(q, &rows, world, plan, spots);
                 let bits = out.alive.bits() & rows.live();
                 q.paths.put(kept, bits, out.path);
-                if let Some(scales) = &mut q.scales {
+                if let Some(scales) = q.scales.as_mut().filter(|_| F::EXTRAS) {
                     scales.put(kept, bits, Scale { scale: out.scale });
                 }
-                if let Some(normals) = &mut q.normals {
+                if let Some(normals) = q.normals.as_mut().filter(|_| F::EXTRAS) {
                     normals.put(kept, bits, Normal { normal: out.normal });
                 }
-                if let Some(firsts) = q.firsts.as_mut().filter(|_| FOCUS) {
+                if let Some(firsts) = q.firsts.as_mut().filter(|_| F::FOCUS) {
                     firsts.put(kept, bits, out.first);
                 }
                 kept += bits.count_ones() as usize;
@@ -249,18 +240,18 @@ where
             if let Some(next) = chunks.peek().filter(|_| far) {
                 world.prefetch(q.hits.triangle::<W>(&Rows::listed(next)));
             }
-            let out = shade_group::<M, S, W, FOCUS>(q, &rows, world, plan, spots);
+            let out = shade_group::<M, S, W, F>(q, &rows, world, plan, spots);
             q.paths.scatter(&rows, out.path);
             if M::TRANSMITS
                 && let Some(scales) = &mut q.scales
             {
                 scales.scatter(&rows, Scale { scale: out.scale });
             }
-            if let Some(firsts) = q.firsts.as_mut().filter(|_| FOCUS) {
+            if let Some(firsts) = q.firsts.as_mut().filter(|_| F::FOCUS) {
                 firsts.scatter(&rows, out.first);
             }
             if !M::DELTA
-                && let Some(normals) = &mut q.normals
+                && let Some(normals) = q.normals.as_mut().filter(|_| F::EXTRAS)
             {
                 normals.scatter(&rows, Normal { normal: out.normal });
             }
@@ -272,7 +263,7 @@ where
 
 /// Shades a group of rows, and appends its shadow rays and the paths that look for focused light.
 #[inline(always)]
-fn shade_group<M: Lobe, S: Sampler, W: Wide, const FOCUS: bool>(
+fn shade_group<M: Lobe, S: Sampler, W: Wide, F: Form>(
     q: &mut Queues,
     rows: &Rows,
     world: &World,
@@ -282,14 +273,14 @@ fn shade_group<M: Lobe, S: Sampler, W: Wide, const FOCUS: bool>(
 where
     Materials: Table<M>,
 {
-    let scale = q.scales.as_ref().map_or(W::splat(1.0), |scales| scales.scale(rows));
-    let first = q.firsts.as_ref().filter(|_| FOCUS).map_or(First::none(), |firsts| firsts.gather(rows));
+    let scale = q.scales.as_ref().filter(|_| F::EXTRAS).map_or(W::splat(1.0), |scales| scales.scale(rows));
+    let first = q.firsts.as_ref().filter(|_| F::FOCUS).map_or(First::none(), |firsts| firsts.gather(rows));
     let (path, hit) = (q.paths.gather(rows), q.hits.gather(rows));
-    let out = shade_rows::<M, S, W, FOCUS>(world, plan, spots, path, scale, first, &hit);
+    let out = shade_rows::<M, S, W, F>(world, plan, spots, path, scale, first, &hit);
     if plan.connect && !M::DELTA {
         q.shadows.append(out.connected.bits() & rows.live(), out.shadow);
     }
-    if FOCUS
+    if F::FOCUS
         && !M::DELTA
         && let Some(aimed) = &mut q.aimed
     {

@@ -40,6 +40,12 @@ impl<L: Lanes> Surface<L> {
     /// The points of a group of hits, seen from the unit directions `wo`.
     #[inline(always)]
     pub fn new(world: &World, hit: &HitRow<L>, wo: Vec3<L>) -> Self {
+        Self::with(world, world.normals.as_deref(), hit, wo)
+    }
+
+    /// The same where it is known which `normals` the world has, if any.
+    #[inline(always)]
+    pub fn with(world: &World, normals: Option<&[[[f32; 3]; 3]]>, hit: &HitRow<L>, wo: Vec3<L>) -> Self {
         let ids = hit.triangle.array();
         let id = |i: usize| ids.as_ref()[i] as usize;
         let [a, b, c] = Vec3::triple(|i| &world.corners[id(i)]);
@@ -48,7 +54,7 @@ impl<L: Lanes> Surface<L> {
         let front = (b - a).cross(c - a).normalize();
         let outside = front.dot(wo).gt(L::splat(0.0));
         let ng = select3(outside, front, -front);
-        let (ns, tilted) = match &world.normals {
+        let (ns, tilted) = match normals {
             None => (ng, L::Mask::splat(false)),
             Some(normals) => {
                 let [na, nb, nc] = Vec3::triple(|i| &normals[id(i)]);

@@ -116,7 +116,7 @@ where
     let [u, v, pick] = S::draw::<L, 3>(&mut path.rng, Decision::Scatter, path.depth);
     let wi = spots.sample(origin, pick, [u, v]);
     let density = chance * spots.pdf(origin, wi);
-    let lobe = eval::<M, L>(world, &p, &surface, &frame, frame.to_local(wo), wi);
+    let lobe = eval::<M, L>(world.normals.is_some(), &p, &surface, &frame, frame.to_local(wo), wi);
     let energy = path.throughput.max_component() / scale;
     let throughput = path.throughput.scale(lobe.f_cos) * power_heuristic_over_pdf(one / density, lobe.pdf);
     let strength = throughput.max_component();

@@ -5,9 +5,10 @@ use crate::columns::{Rows, columns};
 use crate::lanes::{Frame, Kernel, Lanes, LanesU32, Mask, Vec3, Wide};
 use crate::material::{Lobe, Materials, Table};
 use crate::sampling::power_heuristic;
+use crate::wave::caustic::first::{first_density, reversible};
 use crate::wave::plan::Plan;
 use crate::wave::queues::{HitRow, Path};
-use crate::wave::shade::{eval, first_density, reversible};
+use crate::wave::shade::eval;
 use crate::wave::shadow_rays;
 use crate::wave::surface::Surface;
 use crate::world::World;
@@ -74,7 +75,7 @@ where
     let ([x, y], inside) = view.pixel(-wo);
     let cos_wo = surface.ng.dot(wo);
     let seen = Surface::new(world, hit, wo);
-    let lobe = eval::<M, L>(world, p, &seen, &Frame::about(seen.ns), wo, wi);
+    let lobe = eval::<M, L>(world.normals.is_some(), p, &seen, &Frame::about(seen.ns), wo, wi);
     let first = first_density(view, surface, -way, wi, lobe.pdf);
     let weight = power_heuristic(path.prev_pdf * L::splat(plan.light_paths), first);
     // From surface to pixel: cosine over squared distance, per area of the pixel; see `View::pixel_density`.

@@ -16,6 +16,7 @@
 
 pub(super) mod aim;
 mod camera;
+pub(super) mod first;
 mod scatter;
 mod start;
 mod survey;
