@@ -375,7 +375,18 @@ fn exposure_and_tone_map_change_the_8_bit_image_alone() {
 #[test]
 fn images_say_what_they_are() {
     let folder = Folder::new();
-    folder.ok(&["./lit.json", "3", "--seed", "7", "--method", "nee", "--sampler", "xoshiro", "-o", "a.png"]);
+    folder.ok(&[
+        "./lit.json",
+        "3",
+        "--seed",
+        "7",
+        "--method",
+        "nee",
+        "--sampler=xoshiro",
+        "--max-depth=4",
+        "-o",
+        "a.png",
+    ]);
     let texts = png_texts(&read_png(&folder.path("a.png")).0);
     let version = format!("wavetrace {}", env!("CARGO_PKG_VERSION"));
     for (key, value) in [
@@ -385,6 +396,9 @@ fn images_say_what_they_are() {
         ("seed", "7"),
         ("method", "nee"),
         ("sampler", "xoshiro"),
+        ("effort", "even"),
+        ("max_depth", "4"),
+        ("light_paths", "0.1"),
     ] {
         assert!(texts.contains(&(key.to_owned(), value.to_owned())), "{key} in {texts:?}");
     }

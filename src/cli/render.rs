@@ -136,6 +136,9 @@ fn metadata(args: &RenderArgs, settings: &Settings, rendered: &Rendered) -> Meta
         ("seed", settings.seed.to_string()),
         ("method", word(args.method)),
         ("sampler", word(args.sampler)),
+        ("effort", word(args.effort)),
+        ("max_depth", settings.max_depth.map_or_else(|| "none".to_owned(), |depth| depth.to_string())),
+        ("light_paths", settings.light_paths.to_string()),
         ("seconds_render", format!("{:.3}", rendered.time.as_secs_f64())),
     ];
     Metadata { entries: entries.map(|(key, value)| (key.to_owned(), value)).to_vec(), partial: rendered.partial }
