@@ -87,3 +87,20 @@ fn split(corners: &[[[f32; 3]; 3]]) -> Vec<Reference> {
         corners.par_chunks(CHUNK).enumerate().map(|(k, chunk)| split_chunk(k, chunk)).collect();
     parts.concat()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_meets_boxes_as_often_as_their_areas_say() {
+        // Boxes of 1 x 1 x 1 and 2 x 3 x 4, at the ends of one of 10 x 3 x 4.
+        let corners =
+            [[[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]], [[8.0, 0.0, 0.0], [10.0, 3.0, 0.0], [8.0, 0.0, 4.0]]];
+        let met = |corners: &[_]| boxes_met(&binary_tree(corners, Quality::Fast, false));
+        assert_eq!(met(&corners[..1]), 1.0);
+        let [one, two, both] =
+            [[1.0, 1.0, 1.0], [2.0, 3.0, 4.0], [10.0, 3.0, 4.0]].map(|[x, y, z]| x * y + y * z + z * x);
+        assert!((met(&corners) - (one + two + both) / both).abs() < 1e-6, "{}", met(&corners));
+    }
+}

@@ -242,4 +242,11 @@ mod tests {
             }
         }
     }
+    #[test]
+    fn boxes_behind_a_hit_are_entered_within_the_error_of_distances() {
+        for (direction, main) in [([0.25, 0.5, 2.0], 2.0), ([0.0, -4.0, 1.0], 4.0)] {
+            let ray = Prepared::new(&Ray { origin: [0.0; 3], direction, t_max: 1.0 });
+            assert_eq!([0.0, 0.125, 1.0].map(|slack| ray.pad(slack)), [0.0, 0.125 / main, 1.0 / main]);
+        }
+    }
 }
