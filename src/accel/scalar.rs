@@ -5,7 +5,7 @@ use super::layout::{Leaf, Node};
 use super::ray::Prepared;
 use super::triangle::Sheared;
 use super::{Bvh, Hit, LEAF, Ray};
-use crate::lanes::{Lanes, MAX_LANES};
+use crate::lanes::{Lanes, MAX_LANES, Mask};
 
 /// Traverses a tree with one ray at a time; holds the stack between rays.
 #[derive(Clone, Debug, Default)]
@@ -22,15 +22,16 @@ impl Scalar {
 
     /// The nearest hit.
     pub fn closest(&mut self, bvh: &Bvh, ray: &Ray) -> Hit {
-        self.trace::<false>(bvh, ray)
+        self.trace::<f32, false>(bvh, ray)
     }
 
     /// Whether anything is hit.
     pub fn any(&mut self, bvh: &Bvh, ray: &Ray) -> bool {
-        self.trace::<true>(bvh, ray).is_some()
+        self.trace::<f32, true>(bvh, ray).is_some()
     }
 
-    fn trace<const ANY: bool>(&mut self, bvh: &Bvh, ray: &Ray) -> Hit {
+    /// Either, in a lane of form `L`.
+    pub(crate) fn trace<L: Lanes, const ANY: bool>(&mut self, bvh: &Bvh, ray: &Ray) -> Hit {
         let mut hit = Hit::miss(ray.t_max);
         if bvh.is_empty() {
             return hit;
@@ -44,10 +45,10 @@ impl Scalar {
                 continue;
             }
             if code & LEAF == 0 {
-                self.push(tree.node(code), &prepared, hit.t + pad);
+                self.push::<L>(tree.node(code), &prepared, hit.t + pad);
                 continue;
             }
-            meet(tree.leaf(code), &prepared, &mut hit);
+            meet::<L>(tree.leaf(code), &prepared, &mut hit);
             if ANY && hit.is_some() {
                 break;
             }
@@ -56,17 +57,20 @@ impl Scalar {
     }
 
     /// Pushes the children that the ray meets, the nearest last.
-    fn push(&mut self, node: &Node, ray: &Prepared, end: f32) {
+    fn push<L: Lanes>(&mut self, node: &Node, ray: &Prepared, end: f32) {
         let first = self.stack.len();
         for lane in 0..MAX_LANES {
-            let (mut near, mut far) = (0.0f32, end);
+            let (mut near, mut far) = (L::splat(0.0), L::splat(end));
             for axis in 0..3 {
-                let to = |row: usize| Lanes::mul_add(node.plane(row as u32, lane), ray.inv(axis), -ray.off(row));
+                let to = |row: usize| {
+                    L::splat(node.plane(row as u32, lane)).mul_add(L::splat(ray.inv(axis)), L::splat(-ray.off(row)))
+                };
                 let (lower, upper) = (to(axis), to(axis + 3));
-                near = Lanes::max(near, Lanes::min(lower, upper));
-                far = Lanes::min(far, Lanes::max(lower, upper));
+                near = near.max(lower.min(upper));
+                far = far.min(lower.max(upper));
             }
-            if near <= far {
+            if near.le(far).any() {
+                let near = number(near);
                 let mut at = self.stack.len();
                 self.stack.push((near, node.child(lane)));
                 while at > first && self.stack[at - 1].0 < near {
@@ -79,12 +83,19 @@ impl Scalar {
 }
 
 /// Takes what is nearer in a leaf, of equally near triangles that of the smaller id.
-fn meet(leaf: &Leaf, ray: &Prepared, hit: &mut Hit) {
+fn meet<L: Lanes>(leaf: &Leaf, ray: &Prepared, hit: &mut Hit) {
     for (lane, id) in leaf.distinct() {
-        let ray_ = Sheared::<f32>::splat(ray, hit.t);
-        let Some((true, t, u, v)) = ray_.test(|k, axis| leaf.coordinate(k, ray.axis(axis), lane)) else { continue };
+        let ray_ = Sheared::<L>::splat(ray, hit.t);
+        let met = ray_.test(|k, axis| L::splat(leaf.coordinate(k, ray.axis(axis), lane)));
+        let Some((_, t, u, v)) = met.filter(|met| met.0.any()) else { continue };
+        let [t, u, v] = [t, u, v].map(number);
         if t < hit.t || (t == hit.t && hit.is_some() && id < hit.triangle) {
             *hit = Hit { t, u, v, triangle: id };
         }
     }
+}
+
+/// The number in a lane.
+fn number<L: Lanes>(lane: L) -> f32 {
+    lane.array().as_ref()[0]
 }

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use wavetrace::lanes;
 use wavetrace::probe::{COUNTED, Counters, StageRow};
-use wavetrace::render::{Rendered, Renderer, Settings};
+use wavetrace::render::{Arithmetic, Rendered, Renderer, Settings};
 use wavetrace::wave::Plan;
 
 /// Samples that were not finite and are named one by one, at most.
@@ -47,6 +47,8 @@ pub fn text(run: &Run<'_>) -> String {
 fn document(run: &Run<'_>) -> Value {
     let Run { args, settings, renderer, plan, rendered, times } = *run;
     let (world, counts) = (renderer.world(), &rendered.counts);
+    // The settings are those of the render that is done.
+    let arithmetic = renderer.arithmetic(settings).unwrap_or_default();
     let bad = rendered.bad.iter().take(MAX_NAMED);
     let bad: Vec<Value> = bad.map(|bad| json!({ "pixel": bad.pixel, "sample": bad.sample })).collect();
     json!({
@@ -101,7 +103,7 @@ fn document(run: &Run<'_>) -> Value {
         "bad_samples": rendered.bad.len(),
         "first_bad_samples": bad,
         "counters": counters(rendered, settings),
-        "stages": rendered.stages.iter().map(|row| stage(row, plan)).collect::<Vec<_>>(),
+        "stages": rendered.stages.iter().map(|row| stage(row, plan, &arithmetic)).collect::<Vec<_>>(),
         "bytes": {
             "world": world.bytes(),
             "bvh": renderer.bvh().bytes(),
@@ -113,10 +115,10 @@ fn document(run: &Run<'_>) -> Value {
     })
 }
 
-fn stage(row: &StageRow, plan: &Plan) -> Value {
+fn stage(row: &StageRow, plan: &Plan, arithmetic: &Arithmetic) -> Value {
     let seconds = row.time.as_secs_f64();
     let bytes = plan.stage_bytes(row.stage);
-    let flops_per_byte = plan.stage_flops(row.stage).zip(bytes).map(|(flops, bytes)| flops as f64 / bytes as f64);
+    let flops = arithmetic.per_row(row.stage);
     let last = row.depths.iter().rposition(|depth| depth.items + depth.seconds > 0.0).map_or(0, |last| last + 1);
     let depths = row.depths[..last]
         .iter()
@@ -131,7 +133,8 @@ fn stage(row: &StageRow, plan: &Plan) -> Value {
         "ns_per_item": row.ns_per_item(),
         "bytes_per_item": bytes,
         "gb_per_s": bytes.map(|bytes| if seconds > 0.0 { bytes as f64 * row.items as f64 / seconds / 1e9 } else { 0.0 }),
-        "flops_per_byte": flops_per_byte,
+        "flops_per_item": flops,
+        "flops_per_byte": flops.zip(bytes).map(|(flops, bytes)| flops / bytes as f64),
         "depths": depths.collect::<Vec<_>>(),
         "counters": row.counted.map(|counted| COUNTED.into_iter().zip(counted).collect::<BTreeMap<_, _>>()),
     })

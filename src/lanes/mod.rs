@@ -6,6 +6,7 @@
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, reason = "intrinsics, wrapped here for everyone")]
 mod avx2;
+mod counting;
 #[allow(unsafe_code, reason = "the one call into code for machines that have more than the build asks for")]
 mod dispatch;
 mod eight;
@@ -16,6 +17,7 @@ mod prefetch;
 mod scalar;
 mod vec3;
 
+pub use counting::{Counting, counting};
 pub use dispatch::{Kernel, dispatch, simd};
 pub use eight::{Wide, WideU32};
 pub use math::{atan2_turns, safe_sqrt, sin_cos_turns};

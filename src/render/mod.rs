@@ -1,5 +1,6 @@
 //! Rendering a world: settings, jobs, workers, results.
 
+mod arithmetic;
 #[cfg(test)]
 mod closed_forms;
 mod merge;
@@ -9,6 +10,7 @@ mod rounds;
 mod schedule;
 mod settings;
 
+pub use arithmetic::Arithmetic;
 pub use settings::{
     DEFAULT_LIGHT_PATHS, DEFAULT_WAVE, Effort, Integrator, MAX_LIGHT_PATHS, MAX_THREADS, MAX_WAVE, SamplerKind,
     Settings,

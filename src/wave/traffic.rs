@@ -1,5 +1,5 @@
-//! What each stage moves through the queues, and what it computes, for a row: by how far a stage is from the limits of the
-//! machine. What is looked up in the scene (tree, corners, materials, lights) is not counted: it depends on the scene.
+//! What each stage moves through the queues for a row: by how far a stage is from the limits of the machine. What is looked up in
+//! the scene (tree, corners, materials, lights) is not counted: it depends on the scene.
 
 use super::plan::Plan;
 use super::queues::{FirstQueue, HitQueue, NormalQueue, PathQueue, ScaleQueue, ShadowQueue};
@@ -75,16 +75,6 @@ impl Plan {
             Stage::Compact => Some(2 * path),
             Stage::Accumulate => Some(V3),
             Stage::Aim | Stage::Start | Stage::Scatter | Stage::Expose => None,
-        }
-    }
-    /// Floating-point operations for a row, a fused multiply-add as two, counted from the source; `None` where they depend on
-    /// the scene.
-    pub fn stage_flops(&self, stage: Stage) -> Option<usize> {
-        match stage {
-            Stage::Generate => Some(28),
-            Stage::Compact => Some(0),
-            Stage::Accumulate => Some(9),
-            _ => None,
         }
     }
 }

@@ -67,14 +67,14 @@ impl Profile<'_> {
         bars("", "per cent of lanes in use", &ran(&self.usual.stages).map(bar).collect::<Vec<_>>())
     }
 
-    /// Stages whose arithmetic the source tells, below the limits of the machine.
+    /// Stages whose arithmetic is known, below the limits of the machine.
     pub fn roof(&self) -> String {
         let limits = Limits {
             gflops: self.limits.gflops,
             memories: vec![("own cache".to_owned(), self.limits.cache), ("memory".to_owned(), self.limits.memory)],
         };
         let load = |row: &StageRow| {
-            let (bytes, flops) = (self.plan.stage_bytes(row.stage)? as f64, self.plan.stage_flops(row.stage)? as f64);
+            let (bytes, flops) = (self.plan.stage_bytes(row.stage)? as f64, self.arithmetic.per_row(row.stage)?);
             let rate = row.items as f64 / row.time.as_secs_f64() / 1e9;
             let tip = format!(
                 "{}\n{} Gflop/s, {} GB/s\n{} operations for each byte",

@@ -16,7 +16,7 @@ use wavetrace::bench::suite::{Limits, limits};
 use wavetrace::error::Error;
 use wavetrace::output;
 use wavetrace::probe::Counters;
-use wavetrace::render::{Control, Rendered, Renderer, Settings};
+use wavetrace::render::{Arithmetic, Control, Rendered, Renderer, Settings};
 use wavetrace::wave::{Plan, Tuning};
 
 /// All that the page shows.
@@ -37,6 +37,8 @@ pub struct Profile<'a> {
     pub by_depth: &'a Rendered,
     /// The same with the machine's counters read in each stage; or why there are none.
     pub counted: Result<Rendered, String>,
+    /// What the stages compute for a row.
+    pub arithmetic: Arithmetic,
     /// What the machine can do.
     pub limits: Limits,
     /// Reading the scene, building the tree.
@@ -77,6 +79,7 @@ pub fn run(args: &ProfileArgs) -> Result<Exit, Exit> {
     };
     let by_depth = renderer.render(&unfilled, &Control::default()).map_err(fail)?;
 
+    let arithmetic = renderer.arithmetic(&settings).map_err(fail)?;
     let profile = Profile {
         args,
         renderer: &renderer,
@@ -86,6 +89,7 @@ pub fn run(args: &ProfileArgs) -> Result<Exit, Exit> {
         start,
         by_depth: &by_depth,
         counted,
+        arithmetic,
         limits,
         before,
     };

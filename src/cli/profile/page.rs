@@ -124,7 +124,8 @@ impl Profile<'_> {
         let all = self.stage_seconds();
         let row = |row: &StageRow| {
             let (seconds, bytes) = (row.time.as_secs_f64(), self.plan.stage_bytes(row.stage));
-            let flops = self.plan.stage_flops(row.stage).zip(bytes).map(|(flops, bytes)| flops as f64 / bytes as f64);
+            let flops = self.arithmetic.per_row(row.stage);
+            let intensity = flops.zip(bytes).map(|(flops, bytes)| flops / bytes as f64);
             let rate = |bytes: usize| figure(bytes as f64 * row.items as f64 / seconds / 1e9);
             vec![
                 row.stage.name().to_owned(),
@@ -137,10 +138,26 @@ impl Profile<'_> {
                 bytes.map_or("?".to_owned(), |bytes| bytes.to_string()),
                 bytes.map_or("?".to_owned(), rate),
                 flops.map_or("?".to_owned(), figure),
+                intensity.map_or("?".to_owned(), figure),
             ]
         };
         let rows: Vec<_> = self.usual.stages.iter().filter(|row| row.items > 0).map(row).collect();
-        table(&["stage", "share", "ms", "runs", "rows", "ns/row", "lanes", "bytes/row", "GB/s", "flops/byte"], &rows)
+        table(
+            &[
+                "stage",
+                "share",
+                "ms",
+                "runs",
+                "rows",
+                "ns/row",
+                "lanes",
+                "bytes/row",
+                "GB/s",
+                "flops/row",
+                "flops/byte",
+            ],
+            &rows,
+        )
     }
 
     fn counters(&self) -> String {
@@ -165,21 +182,21 @@ impl Profile<'_> {
     }
 
     fn about_roof(&self) -> String {
-        let unknown: Vec<&str> = self
-            .usual
-            .stages
-            .iter()
-            .filter(|row| row.items > 0 && self.plan.stage_flops(row.stage).is_none())
-            .map(|row| row.stage.name())
-            .collect();
+        let ran = self.usual.stages.iter().filter(|row| row.items > 0);
+        let unknown: Vec<&str> =
+            ran.filter(|row| self.arithmetic.per_row(row.stage).is_none()).map(|row| row.stage.name()).collect();
+        let unknown = match unknown[..] {
+            [] => String::new(),
+            _ => format!(" Not counted: {}.", escape(&unknown.join(", "))),
+        };
         format!(
             "One thread of this machine computes {} Gflop/s in eight lanes and reads {} GB/s from a cache of its own and {} \
-             GB/s from memory, measured before the render. Stages whose arithmetic the source tells are points; that of \
-             {} depends on the scene, and compaction computes nothing.",
+             GB/s from memory, measured before the render. Each stage that computes is a point: operations were counted along \
+             256 paths of this scene, followed by themselves; bytes are those of queues and samples, not what is looked up in \
+             the scene.{unknown}",
             figure(self.limits.gflops),
             figure(self.limits.cache),
             figure(self.limits.memory),
-            escape(&unknown.join(", "))
         )
     }
 
