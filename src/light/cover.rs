@@ -91,6 +91,17 @@ fn area(polygon: &[[f64; 3]]) -> f64 {
 mod tests {
     use super::*;
 
+    #[test]
+    fn a_clipped_polygon_has_each_corner_once() {
+        let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        // Along an edge, across, corner to corner, and beside it.
+        assert_eq!(clip(&square, |p| p[0]), square);
+        assert_eq!(clip(&square, |p| p[0] - 0.5), [[0.5, 0.0, 0.0], square[1], square[2], [0.5, 1.0, 0.0]]);
+        assert_eq!(clip(&square, |p| p[0] - p[1]), square[..3]);
+        assert_eq!(clip(&square, |p| p[0] - 1.0), square[1..3]);
+        assert!(clip(&square, |p| p[0] - 2.0).is_empty());
+    }
+
     /// Two faces of a box and its sides, `x` by `y` by `z`.
     fn cuboid(size: [f32; 3]) -> Vec<[[f32; 3]; 3]> {
         let corner = |i: usize| -> [f32; 3] { std::array::from_fn(|k| if i >> k & 1 == 1 { size[k] } else { 0.0 }) };
