@@ -40,16 +40,11 @@ impl Bounds {
     /// Of one emitter.
     pub fn of(e: &Emitter) -> Self {
         let corners: Vec<[f64; 3]> = e.corners().map(|c| c.map(f64::from)).collect();
-        let centre: [f64; 3] =
-            std::array::from_fn(|k| corners.iter().map(|c| c[k]).sum::<f64>() / corners.len() as f64);
-        let radius = corners.iter().map(|c| distance(c, &centre)).fold(0.0, f64::max);
-        Self {
-            centre: centre.map(|c| c as f32),
-            radius: radius as f32 * ROUNDING,
-            axis: e.normal,
-            cos_cone: 1.0,
-            power: e.power() as f32,
-        }
+        let centre: [f32; 3] =
+            std::array::from_fn(|k| (corners.iter().map(|c| c[k]).sum::<f64>() / corners.len() as f64) as f32);
+        // About the middle as it is kept.
+        let radius = corners.iter().map(|c| distance(c, &centre.map(f64::from))).fold(0.0, f64::max);
+        Self { centre, radius: radius as f32 * ROUNDING, axis: e.normal, cos_cone: 1.0, power: e.power() as f32 }
     }
 }
 
@@ -89,4 +84,34 @@ pub fn importance<L: Lanes, const CONE: bool>(
     let inverse = one / radius.mul_add(radius, distance2).max(L::splat(f32::MIN_POSITIVE));
     let receiver = (from.normal.dot(way) + radius).max(zero);
     power * (receiver * inverse) * ((nearest + radius) * inverse)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::emitter::Shape;
+    use rand_xoshiro::Xoshiro256PlusPlus;
+    use rand_xoshiro::rand_core::{Rng, SeedableRng};
+
+    #[test]
+    fn balls_hold_their_emitters_whatever_is_rounded() {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
+        let mut number = |power: i32| ((rng.next_u32() >> 8) as f32 / 8_388_608.0 - 1.0) * 2f32.powi(power);
+        let mut three = |power: i32| [number(power), number(power), number(power)];
+        for i in 0..1000 {
+            let emitter = Emitter {
+                corner: three(0),
+                edges: [three(-(i % 8)), three(-(i % 8))],
+                normal: [0.0, 0.0, 1.0],
+                radiance: [2.0; 3],
+                shape: if i % 2 == 0 { Shape::Triangle } else { Shape::Parallelogram },
+            };
+            let bounds = Bounds::of(&emitter);
+            let centre = bounds.centre.map(f64::from);
+            let farthest = emitter.corners().map(|c| distance(&c.map(f64::from), &centre)).fold(0.0, f64::max);
+            let radius = f64::from(bounds.radius);
+            assert!(farthest <= radius && radius < farthest * 1.0001, "{emitter:?}: {bounds:?}, {farthest}");
+            assert_eq!((bounds.cos_cone, bounds.axis, bounds.power), (1.0, emitter.normal, emitter.power() as f32));
+        }
+    }
 }
