@@ -152,3 +152,21 @@ impl Kernel for Expose<'_> {
         to_camera.clear();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn splats_are_in_the_order_of_paths_and_tell_their_bytes() {
+        let mut splats = Splats::default();
+        assert_eq!(splats.bytes(), 0);
+        for order in [(1, 0), (0, 2), (0, 1)] {
+            splats.0.push(Splat { pixel: [order.1; 2], radiance: [0.5; 3], order });
+        }
+        assert_eq!(splats.sorted().iter().map(|s| s.pixel[0]).collect::<Vec<_>>(), [1, 2, 0]);
+        assert!(splats.bytes() >= 3 * 28 && splats.bytes() % 28 == 0);
+        splats.clear();
+        assert!(splats.sorted().is_empty());
+    }
+}
