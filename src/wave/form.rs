@@ -33,7 +33,7 @@ impl Form for Focused {
 }
 
 impl Plan {
-    /// Whether [`Plain`] is enough.
+    /// Whether shading for plain scenes is enough.
     pub fn is_plain(&self, world: &World) -> bool {
         !(world.normals.is_some() || self.transmit || world.lights.depend_on_receiver() || self.caustics())
     }
