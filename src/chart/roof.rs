@@ -7,6 +7,9 @@ use super::style::Style;
 use super::svg::escape;
 use std::fmt::Write;
 
+/// Room for the name of a point.
+const NAME: f64 = 70.0;
+
 /// What the machine can do at most.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limits {
@@ -76,7 +79,9 @@ pub fn roof(limits: &Limits, loads: &[Load]) -> String {
             escape(&load.tip),
             style.marker.path(cx, cy)
         );
-        text(&mut out, (cx + 7.0, cy + 4.0), "start", r#"font-size="11""#, &load.name);
+        // Names end before the frame does.
+        let (at, anchor) = if cx > RIGHT - NAME { (cx - 7.0, "end") } else { (cx + 7.0, "start") };
+        text(&mut out, (at, cy + 4.0), anchor, r#"font-size="11""#, &load.name);
     }
     out + "</g>"
 }
@@ -93,6 +98,13 @@ mod tests {
         let text = roof(&limits, &[load("shade", 2.0, 20.0), load("compact", 0.0, 0.0)]);
         assert_eq!((text.matches("class=\"point\"").count(), text.matches("stroke-width=\"1.6\"").count()), (1, 2));
         assert!(text.contains(">shade</text>") && text.contains(">memory</text>") && !text.contains("NaN"));
+        // The rightmost is named to its left.
+        let far = roof(&limits, &[load("shade", 2.0, 20.0), load("intersect", 200.0, 30.0)]);
+        let anchor = |name: &str| {
+            let text = far.split("<text").find(|text| text.contains(&format!(">{name}</text>"))).unwrap();
+            text.contains(r#"text-anchor="end""#)
+        };
+        assert_eq!(["shade", "intersect"].map(anchor), [false, true], "{far}");
         let none = roof(&Limits { gflops: 0.0, memories: Vec::new() }, &[]);
         assert!(!none.contains("NaN") && !none.contains("class=\"point\""));
     }

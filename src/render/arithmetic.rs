@@ -16,6 +16,8 @@ use crate::wave::{
 
 /// Paths that are followed, across the image and down.
 const SIDE: u64 = 16;
+/// Bounces that are followed: what lies beyond is like what lies before, and lossless rooms have thousands.
+const BOUNCES: u32 = 64;
 /// What is found is added to a sample.
 const ADD: u64 = 3;
 /// Three sums and sums of squares of a pixel.
@@ -66,7 +68,7 @@ impl Arithmetic {
                 self.operations[Stage::Emit as usize] += ADD;
                 return;
             };
-            if path.depth >= plan.max_depth {
+            if path.depth >= plan.max_depth.min(BOUNCES) {
                 return;
             }
             let mut out: Option<Shaded<Counting>> = None;
@@ -94,22 +96,15 @@ fn ray_of(origin: Vec3<Counting>, direction: Vec3<Counting>, t_max: f32) -> Ray 
 }
 
 impl Renderer {
-    /// What the stages compute in a render with these settings, by 256 paths over the image. Boxes and triangles are counted as a
-    /// ray by itself meets them.
+    /// What the stages compute in a render with these settings, by 256 paths over the image and 64 bounces of each. Boxes and
+    /// triangles are counted as a ray by itself meets them; random numbers, of integers but for the last step, as those of Sobol points.
     ///
     /// # Errors
     /// [`Error::Setting`](crate::Error::Setting) if a setting is out of its range.
     pub fn arithmetic(&self, settings: &Settings) -> Result<Arithmetic> {
         let (plan, spots) = (self.plan(settings)?, Spots::default());
         let [width, height] = [self.world.width(), self.world.height()];
-        let cx = Context {
-            world: &self.world,
-            bvh: &self.bvh,
-            plan: &plan,
-            spots: &spots,
-            seed: settings.seed,
-            screen: Screen::new(width, settings.spp),
-        };
+        let cx = self.context(&plan, &spots, settings.seed, Screen::new(width, settings.spp));
         let at = |i: u64, size: u32| (i * u64::from(size) / SIDE) as u32;
         let pixels = (0..SIDE * SIDE).map(|i| [at(i % SIDE, width), at(i / SIDE, height)]).collect();
         let job = Job { pixels, samples: 1, ..Job::default() };

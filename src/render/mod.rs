@@ -232,19 +232,16 @@ impl Renderer {
         if !plan.caustics() {
             return Ok((spots, all));
         }
-        let cx = Context {
-            world: &self.world,
-            bvh: &self.bvh,
-            plan,
-            spots: &spots,
-            seed: SURVEY_SEED,
-            screen: Screen::default(),
-        };
+        let cx = self.context(plan, &spots, SURVEY_SEED, Screen::default());
         let (arrivals, all) = match settings.is_timed() {
             true => schedule::survey::<Clock>(&cx, settings),
             false => schedule::survey::<NoProbe>(&cx, settings),
         }?;
         Ok((Spots::new(&arrivals, settings.looks()), all))
+    }
+    /// What the waves of a render read.
+    fn context<'a>(&'a self, plan: &'a Plan, spots: &'a Spots, seed: u64, screen: Screen) -> Context<'a> {
+        Context { world: &self.world, bvh: &self.bvh, plan, spots, seed, screen }
     }
     /// Adds a round of samples to a film.
     fn round(

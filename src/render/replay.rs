@@ -24,14 +24,7 @@ impl Renderer {
         }
         let plan = self.plan(settings)?;
         let (spots, _) = self.survey(&plan, settings)?;
-        let cx = Context {
-            world: &self.world,
-            bvh: &self.bvh,
-            plan: &plan,
-            spots: &spots,
-            seed: settings.seed,
-            screen: Screen::new(size[0], settings.spp),
-        };
+        let cx = self.context(&plan, &spots, settings.seed, Screen::new(size[0], settings.spp));
         let job = Job { pixels: vec![pixel], first_sample: sample, samples: 1, ..Job::default() };
         Ok(match settings.sampler {
             SamplerKind::Xoshiro => trace::<Xoshiro>(&cx, &job),

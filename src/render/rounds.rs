@@ -14,7 +14,7 @@ use crate::error::Result;
 use crate::film::Film;
 use crate::light::Spots;
 use crate::sampling::Screen;
-use crate::wave::{Context, Efforts, Plan};
+use crate::wave::{Efforts, Plan};
 use std::time::{Duration, Instant};
 
 /// Images that a render is made of, where its error is estimated.
@@ -153,14 +153,7 @@ impl Rounds<'_> {
     /// A round of an image of which no pixel gets more than `most` samples.
     fn trace(&self, seed: u64, most: u32, round: &Round<'_>, film: Film) -> Result<Rendered> {
         let Self { renderer, plan, spots, settings, control, .. } = *self;
-        let cx = Context {
-            world: &renderer.world,
-            bvh: &renderer.bvh,
-            plan,
-            spots,
-            seed,
-            screen: Screen::new(renderer.world.width(), most),
-        };
+        let cx = renderer.context(plan, spots, seed, Screen::new(renderer.world.width(), most));
         renderer.round(&cx, settings, round, film, control)
     }
     fn deadline(&self) -> Option<Instant> {

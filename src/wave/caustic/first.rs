@@ -4,8 +4,8 @@ use crate::camera::View;
 use crate::lanes::{Lanes, Mask, Vec3};
 use crate::wave::surface::Surface;
 
-/// Density of a path's first bounce as [`First`](crate::wave::queues::First) has it: `pdf` that of the direction of scattering at `surface`, `wi`, per
-/// solid angle, `way` the camera ray.
+/// Density of a path's first bounce as [`First`](crate::wave::queues::First) has it: `pdf` that of the direction of scattering at
+/// `surface`, `wi`, per solid angle, `way` the camera ray.
 #[inline(always)]
 pub fn first_density<L: Lanes>(view: &View, surface: &Surface<L>, way: Vec3<L>, wi: Vec3<L>, pdf: L) -> L {
     let distance2 = way.length2();
