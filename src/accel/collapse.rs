@@ -10,11 +10,38 @@ use super::{Bvh, DISTANCE_ERROR, LEAF, MAX_LEAF};
 use std::sync::atomic::{AtomicU8, AtomicU32, Ordering::Relaxed};
 
 const WIDTH: usize = 8;
-/// Cost of a node step, and of a leaf block, per unit of surface.
+/// Cost of a node step per unit of surface. That of a leaf is [`LeafCost`].
 const NODE_COST: f32 = 1.0;
-const LEAF_COST: f32 = 1.0;
+/// Boxes of triangles up to which time goes into arithmetic; in larger trees, which leave the cache of a core, into
+/// fetching blocks.
+const SMALL: usize = 1 << 16;
+/// Bytes of the tree for each triangle at most, where leaves could be less full than they are,
+const MOST_BYTES: usize = 100;
+/// and those that a tree of any number of triangles may have.
+const ANY_BYTES: usize = 1 << 16;
 /// Subtrees that are planned in parallel, at least, where the tree is large.
 const PARTS: usize = 256;
+
+/// What a leaf of n triangles costs: `visit + n * each` per unit of its surface, and `room` for the memory.
+#[derive(Clone, Copy, Debug)]
+struct LeafCost {
+    visit: f32,
+    each: f32,
+    room: f32,
+}
+
+impl LeafCost {
+    /// Where blocks are fetched: a leaf is as much as a node, however many triangles it holds.
+    const FETCHED: Self = Self { visit: 1.0, each: 0.0, room: 0.0 };
+
+    /// Where they are at hand: streams and tiles test one triangle after the other, for eight rays each.
+    const fn at_hand(room: f32) -> Self {
+        Self { visit: 0.7, each: 0.13, room }
+    }
+    fn of(&self, area: f32, triangles: usize) -> f32 {
+        area * (self.visit + self.each * triangles as f32) + self.room
+    }
+}
 
 /// What the dynamic programme knows of each binary node, written once per node, children first. Atomic because the
 /// subtrees of different tasks lie mixed.
@@ -26,13 +53,14 @@ struct Plan<'a> {
     triangles: Vec<AtomicU8>,
     /// Triangles of a leaf at most.
     leaf: usize,
+    leaf_cost: LeafCost,
 }
 
 impl<'a> Plan<'a> {
-    fn new(tree: &'a [BinaryNode], leaf: usize) -> Self {
+    fn new(tree: &'a [BinaryNode], leaf: usize, leaf_cost: LeafCost) -> Self {
         let empty = tree.par_iter().map(|_| (Default::default(), AtomicU8::new(1)));
         let (cost, triangles) = empty.unzip();
-        let plan = Self { tree, cost, triangles, leaf: leaf.clamp(1, MAX_LEAF) };
+        let plan = Self { tree, cost, triangles, leaf: leaf.clamp(1, MAX_LEAF), leaf_cost };
         let (top, parts) = cut(tree);
         parts.par_iter().for_each(|&n| preorder(tree, n).into_iter().rev().for_each(|n| plan.solve(n)));
         top.into_iter().rev().for_each(|n| plan.solve(n));
@@ -41,7 +69,7 @@ impl<'a> Plan<'a> {
     /// Costs of node `n`; those of its children are known.
     fn solve(&self, n: usize) {
         let area = self.area(n);
-        let mut costs = [area * LEAF_COST; WIDTH];
+        let mut costs = [self.leaf_cost.of(area, 1); WIDTH];
         if !self.tree[n].is_leaf() {
             let first = self.tree[n].first_index as usize;
             let below = [first, first + 1].map(|child| self.triangles[child].load(Relaxed));
@@ -63,8 +91,8 @@ impl<'a> Plan<'a> {
         self.cost[n].each_ref().map(|cost| f32::from_bits(cost.load(Relaxed)))
     }
     fn leaf_cost(&self, n: usize) -> f32 {
-        let fits = self.triangles[n].load(Relaxed) as usize <= self.leaf;
-        if fits { self.area(n) * LEAF_COST } else { f32::INFINITY }
+        let triangles = self.triangles[n].load(Relaxed) as usize;
+        if triangles <= self.leaf { self.leaf_cost.of(self.area(n), triangles) } else { f32::INFINITY }
     }
     /// (cost, roots for the left child) of covering inner node `n` by covering its children with `k` >= 2 roots.
     fn split(&self, n: usize, k: usize) -> (f32, usize) {
@@ -160,8 +188,17 @@ impl Wide {
     }
 }
 
-/// Inner nodes of the wide tree in depth-first order, each followed by its leaves; blocks in all; the largest depth.
-fn outline(plan: &Plan<'_>) -> (Vec<Wide>, usize, usize) {
+/// Where everything of a wide tree is.
+struct Outline {
+    /// Inner nodes in depth-first order; each is followed by its leaves.
+    wides: Vec<Wide>,
+    /// Blocks in all.
+    blocks: usize,
+    /// Nodes on the longest way from the root.
+    deepest: usize,
+}
+
+fn outline(plan: &Plan<'_>) -> Outline {
     let (mut wides, mut blocks, mut deepest) = (Vec::<Wide>::new(), 0, 0);
     // Each entry: a binary node that becomes an inner node, the lane that leads to it, its depth.
     let mut todo = vec![(0, None::<(usize, usize)>, 1)];
@@ -186,7 +223,26 @@ fn outline(plan: &Plan<'_>) -> (Vec<Wide>, usize, usize) {
         }
         wides.push(wide);
     }
-    (wides, blocks, deepest)
+    Outline { wides, blocks, deepest }
+}
+
+/// The cheapest wide tree that takes no more than its memory. Leaves that are seldom met are filled first.
+fn cheapest(tree: &[BinaryNode], leaf: usize, triangles: usize) -> (Plan<'_>, Outline) {
+    let boxes = tree.iter().filter(|node| node.is_leaf()).map(|node| node.aabb().half_area());
+    let (count, area) = boxes.fold((0, 0.0), |(count, sum), area| (count + 1, sum + f64::from(area)));
+    let mean = (area / count as f64) as f32;
+    let rooms: &[f32] = if count <= SMALL { &[0.0, 0.25, 0.5, 1.0, 2.0] } else { &[] };
+    let most = ANY_BYTES.max(MOST_BYTES * triangles) / size_of::<Block>();
+    for room in rooms {
+        let plan = Plan::new(tree, leaf, LeafCost::at_hand(room * mean));
+        let outline = outline(&plan);
+        if outline.blocks <= most {
+            return (plan, outline);
+        }
+    }
+    let plan = Plan::new(tree, leaf, LeafCost::FETCHED);
+    let outline = outline(&plan);
+    (plan, outline)
 }
 
 /// Writes a node and its leaves.
@@ -216,8 +272,7 @@ pub(super) fn collapse(tree: &[BinaryNode], corners: &[[[f32; 3]; 3]], leaf: usi
     if tree.is_empty() {
         return Bvh { arena: Arena::new(0), nodes: 0, leaves: 0, slack: 0.0, stack_bound: stack_bound(1) };
     }
-    let plan = Plan::new(tree, leaf);
-    let (wides, blocks, deepest) = outline(&plan);
+    let (plan, Outline { wides, blocks, deepest }) = cheapest(tree, leaf, corners.len());
     let mut arena = Arena::new(blocks);
     let mut rest = arena.blocks_mut();
     let mut tasks = Vec::with_capacity(wides.len());
@@ -234,11 +289,13 @@ pub(super) fn collapse(tree: &[BinaryNode], corners: &[[[f32; 3]; 3]], leaf: usi
 
 #[cfg(test)]
 mod tests {
+    use super::super::bounds::Reference;
     use super::super::build::binary_tree;
     use super::super::sah::DEPTH;
     use super::super::{BuildOptions, Quality, STACK};
     use super::*;
     use crate::lanes::{F32x8, Lanes, LanesU32};
+    use std::collections::HashMap;
 
     /// Every triangle is reached, within its boxes, and no leaf or node is larger than its lanes.
     #[test]
@@ -271,57 +328,91 @@ mod tests {
     }
 
     /// Least cost of covering the subtree of `n` with at most `k` roots, tried in all ways.
-    fn least(tree: &[BinaryNode], n: usize, k: usize, leaf: usize) -> f32 {
-        let area = tree[n].aabb().half_area();
-        if tree[n].is_leaf() {
-            return area * LEAF_COST;
+    fn least(plan: &Plan<'_>, n: usize, k: usize, known: &mut HashMap<(usize, usize), f32>) -> f32 {
+        if let Some(&cost) = known.get(&(n, k)) {
+            return cost;
         }
-        let first = tree[n].first_index as usize;
-        let split = |k: usize| {
-            (1..k)
-                .map(|left| least(tree, first, left, leaf) + least(tree, first + 1, k - left, leaf))
-                .fold(f32::INFINITY, f32::min)
-        };
-        let fits = preorder(tree, n).into_iter().filter(|&n| tree[n].is_leaf()).count() <= leaf;
-        let as_leaf = if fits { area * LEAF_COST } else { f32::INFINITY };
-        (2..=k).map(split).fold(as_leaf.min(area * NODE_COST + split(WIDTH)), f32::min)
+        let (tree, area) = (plan.tree, plan.area(n));
+        let triangles = preorder(tree, n).into_iter().filter(|&n| tree[n].is_leaf()).count();
+        let mut cost = if triangles <= plan.leaf { plan.leaf_cost.of(area, triangles) } else { f32::INFINITY };
+        if !tree[n].is_leaf() {
+            let first = tree[n].first_index as usize;
+            let mut split = |k: usize| {
+                (1..k)
+                    .map(|left| least(plan, first, left, known) + least(plan, first + 1, k - left, known))
+                    .fold(f32::INFINITY, f32::min)
+            };
+            cost = cost.min(area * NODE_COST + split(WIDTH));
+            cost = (2..=k).map(split).fold(cost, f32::min);
+        }
+        known.insert((n, k), cost);
+        cost
     }
 
     /// No way to make wide nodes of a binary tree is cheaper, and the tree that is made costs what is planned.
     #[test]
     fn the_wide_tree_is_the_cheapest() {
-        for (count, leaf) in [(5, 8), (12, 1), (14, 3), (14, 8)] {
+        let costs = [LeafCost::FETCHED, LeafCost::at_hand(0.0), LeafCost::at_hand(0.1)];
+        let cases = [(5, 8), (12, 1), (14, 3), (14, 8), (90, 1), (90, 8)];
+        for ((count, leaf), leaf_cost) in cases.into_iter().flat_map(|case| costs.map(|cost| (case, cost))) {
+            let name = format!("{count} boxes, leaves of {leaf}, {leaf_cost:?}");
             let refs = super::super::bounds::tests::references(count);
             let tree = super::super::sah::tree::<16>(refs);
-            let plan = Plan::new(&tree, leaf);
+            let plan = Plan::new(&tree, leaf, leaf_cost);
+            let mut known = HashMap::new();
             for k in 1..=WIDTH {
-                assert_eq!(
-                    plan.costs(0)[k - 1],
-                    least(&tree, 0, k, leaf),
-                    "{count} boxes, {k} roots, leaves of {leaf}"
-                );
+                assert_eq!(plan.costs(0)[k - 1], least(&plan, 0, k, &mut known), "{name}, {k} roots");
             }
-            let (wides, blocks, deepest) = outline(&plan);
+            let Outline { wides, blocks, deepest } = outline(&plan);
             let mut seen = Vec::new();
             let (mut cost, mut leaves) = (if plan.is_leaf(0) { 0.0 } else { plan.area(0) * NODE_COST }, 0);
             for wide in &wides {
                 for (&root, &code) in wide.roots.iter().zip(&wide.codes[..wide.len]) {
-                    cost += plan.area(root as usize);
-                    if code & LEAF != 0 {
+                    let area = plan.area(root as usize);
+                    if code & LEAF == 0 {
+                        cost += area * NODE_COST;
+                    } else {
                         let ids = plan.ids(root as usize);
-                        assert!((1..=leaf).contains(&ids.len()), "{} triangles in a leaf", ids.len());
+                        assert!((1..=leaf).contains(&ids.len()), "{name}: {} triangles in a leaf", ids.len());
+                        cost += leaf_cost.of(area, ids.len());
                         seen.extend(ids);
                         leaves += 1;
                     }
                 }
             }
             let planned = plan.costs(0)[0];
-            assert!((cost - planned).abs() < 1e-4 * planned, "{cost} instead of {planned}");
+            assert!((cost - planned).abs() < 1e-4 * planned, "{name}: {cost} instead of {planned}");
             seen.sort_unstable();
             assert_eq!(seen, (0..count).collect::<Vec<_>>());
             assert_eq!(blocks, wides.len() * Node::BLOCKS + leaves * Leaf::BLOCKS);
             assert!((1..=wides.len()).contains(&deepest));
         }
+    }
+
+    /// Triangles of a leaf cost in small trees, and its memory where a tree of a fine floor would else be too large.
+    #[test]
+    fn leaves_of_small_trees_are_less_full_as_far_as_memory_allows() {
+        let floor = |count: usize| {
+            let square = |i: usize| [(i / 2 % 64) as f32, (i / 128) as f32];
+            let reference =
+                |(i, [x, y]): (usize, [f32; 2])| Reference::new([x, y, 0.0], [x + 1.0, y + 1.0, 0.0], i as u32);
+            (0..count).map(square).enumerate().map(reference).collect::<Vec<_>>()
+        };
+        let soup = |count: usize| super::super::bounds::tests::references(count as u32);
+        let cases = [soup(100), soup(3000), floor(50), floor(8000), floor(SMALL), floor(SMALL + 1)];
+        let of = |refs: Vec<Reference>| {
+            let count = refs.len();
+            let tree = super::super::sah::tree::<16>(refs);
+            let (plan, Outline { blocks, .. }) = cheapest(&tree, MAX_LEAF, count);
+            let most = (100 * count).max(1 << 16) / size_of::<Block>();
+            let free = outline(&Plan::new(&tree, MAX_LEAF, LeafCost::at_hand(0.0))).blocks;
+            let LeafCost { each, room, .. } = plan.leaf_cost;
+            assert!(blocks <= most, "{count}: {blocks} blocks");
+            assert_eq!(each > 0.0, count <= SMALL, "{count}");
+            assert_eq!(room > 0.0, count <= SMALL && free > most, "{count}: {free} blocks");
+            room > 0.0
+        };
+        assert_eq!(cases.map(of)[..3], [false, true, false]);
     }
 
     fn shells(count: usize) -> Vec<[[f32; 3]; 3]> {

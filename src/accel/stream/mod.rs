@@ -35,7 +35,7 @@ const MOST: usize = 50;
 /// and how many.
 const DIRECT: usize = 32 * BATCH;
 /// Size of trees, in bytes, from which on kernel B alone looks for any hit: lists save it less there than they cost.
-const LARGE: usize = 2 << 20;
+const LARGE: usize = 4 << 20;
 
 /// A ray that waits for kernel B.
 #[derive(Clone, Copy, Debug)]
