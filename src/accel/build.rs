@@ -6,7 +6,7 @@ use super::bounds::Reference;
 use super::parallel::*;
 use super::sah::tree;
 use obvhs::bvh2::{Bvh2, reinsertion::ReinsertionOptimizer};
-use obvhs::splits::split_aabbs_precise;
+use obvhs::splits::split_aabbs_preset;
 use obvhs::triangle::Triangle;
 
 pub(super) use obvhs::aabb::Aabb;
@@ -78,8 +78,7 @@ fn split(corners: &[[[f32; 3]; 3]]) -> Vec<Reference> {
         let triangles: Vec<Triangle> = chunk.iter().map(triangle).collect();
         let mut boxes: Vec<Aabb> = triangles.iter().map(Triangle::aabb).collect();
         let mut ids: Vec<u32> = (0..chunk.len() as u32).collect();
-        let high = (mean * 4.0).max(mean * 0.9 + most * 0.1);
-        split_aabbs_precise(&mut boxes, &mut ids, &triangles, mean * 3.0, high, 1.8, 1.6, 12, 12);
+        split_aabbs_preset(&mut boxes, &mut ids, &triangles, mean, most);
         let first = (k * CHUNK) as u32;
         boxes.into_iter().zip(ids).map(move |(b, id)| reference(&b, first + id)).collect::<Vec<_>>()
     };

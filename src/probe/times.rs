@@ -8,7 +8,7 @@ use std::time::Duration;
 pub const DEPTHS: usize = 16;
 
 /// Of rows that have bounced, one in so many tells how often rows have.
-const EVERY: usize = 4;
+const EVERY: usize = 16;
 
 /// What a stage did.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +30,7 @@ pub struct StageRow {
 }
 
 /// What a stage did for paths with the same number of bounces. A wave holds several, and each run of a stage is shared out
-/// as the rows of its wave are, of which a quarter is looked at: exact where waves are not [refilled](crate::wave::Tuning::refill), else an estimate.
+/// as the rows of its wave are, of which one in 16 is looked at: exact where waves are not [refilled](crate::wave::Tuning::refill), else an estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DepthRow {
     /// Rows.
@@ -116,7 +116,7 @@ impl StageTimes {
 
 impl StageTimes {
     /// Notes how many bounces the rows of the wave have whose stages follow; the last `fresh` ones have none. Of the others one in
-    /// [`EVERY`] is looked at: all of them take 2 % of the time of a render with short paths.
+    /// [`EVERY`] is looked at: all of them take 2 % of the time of a render with short paths, a quarter 0.5 %.
     #[inline(never)]
     pub(super) fn wave(&mut self, depths: &[u32], fresh: usize) {
         let old = &depths[..depths.len() - fresh.min(depths.len())];
@@ -167,9 +167,11 @@ mod tests {
     fn rows_and_time_are_shared_out_by_bounces() {
         let mut probe = StageTimes::default();
         probe.note(Stage::Generate, 30, Duration::ZERO, None);
-        // One path in four has bounced; of these every fourth tells: once, or as often as is told apart or more.
-        let old = [1, 7, 7, 7, 99, 7, 7, 7].repeat(10);
-        probe.wave(&[old, vec![0; 240]].concat(), 240);
+        // One path in four has bounced; of these one in 16 tells: once, or as often as is told apart or more.
+        let [one, many] = [1, 99].map(|depth| [vec![depth], vec![7; EVERY - 1]].concat());
+        let old = [one, many].concat().repeat(10);
+        let fresh = 3 * old.len();
+        probe.wave(&[old, vec![0; fresh]].concat(), fresh);
         probe.note(Stage::Shade, 16, Duration::from_secs(8), None);
         probe.note(Stage::Accumulate, 16, Duration::from_secs(8), None);
         let shade = row(&probe, Stage::Shade);

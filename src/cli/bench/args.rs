@@ -126,7 +126,7 @@ pub struct TaxArgs {
     /// Pixels across and down
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "64x64", allow_hyphen_values = true)]
     pub size: (u32, u32),
-    /// Samples per pixel [default: 2 to count instructions, 256 to take the time]
+    /// Samples per pixel [default: 16 to count instructions, 256 to take the time]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=65536), allow_negative_numbers = true)]
     pub spp: Option<u32>,
     /// How often each render is timed, in turns; instructions are counted once

@@ -84,7 +84,7 @@ fn load(path: PathBuf, size: (u32, u32)) -> LibraryResult<Scene> {
 fn compare(args: &TaxArgs, by: Measure, scenes: &[Scene], control: &Control) -> LibraryResult<Vec<Vec<Option<f64>>>> {
     let own = |source| Error::Io { file: PathBuf::from("wavetrace"), action: "find this program", source };
     let this = env::current_exe().map_err(own)?;
-    let spp = args.spp.unwrap_or(if by == Measure::Instructions { 2 } else { 256 });
+    let spp = args.spp.unwrap_or(if by == Measure::Instructions { 16 } else { 256 });
     let mut jobs: Vec<Work<'_>> = Vec::new();
     for scene in scenes {
         let builds = || args.without.iter().filter(|build| scene.lacks(build));
