@@ -228,16 +228,16 @@ fn outline(plan: &Plan<'_>) -> Outline {
 
 /// The cheapest wide tree that takes no more than its memory. Leaves that are seldom met are filled first.
 fn cheapest(tree: &[BinaryNode], leaf: usize, triangles: usize) -> (Plan<'_>, Outline) {
-    let boxes = tree.iter().filter(|node| node.is_leaf()).map(|node| node.aabb().half_area());
-    let (count, area) = boxes.fold((0, 0.0), |(count, sum), area| (count + 1, sum + f64::from(area)));
-    let mean = (area / count as f64) as f32;
-    let rooms: &[f32] = if count <= SMALL { &[0.0, 0.25, 0.5, 1.0, 2.0] } else { &[] };
-    let most = ANY_BYTES.max(MOST_BYTES * triangles) / size_of::<Block>();
-    for room in rooms {
-        let plan = Plan::new(tree, leaf, LeafCost::at_hand(room * mean));
-        let outline = outline(&plan);
-        if outline.blocks <= most {
-            return (plan, outline);
+    let boxes = tree.len().div_ceil(2);
+    if boxes <= SMALL {
+        let area: f32 = tree.iter().filter(|node| node.is_leaf()).map(|node| node.aabb().half_area()).sum();
+        let most = ANY_BYTES.max(MOST_BYTES * triangles) / size_of::<Block>();
+        for room in [0.0, 0.25, 0.5, 1.0, 2.0] {
+            let plan = Plan::new(tree, leaf, LeafCost::at_hand(room * area / boxes as f32));
+            let outline = outline(&plan);
+            if outline.blocks <= most {
+                return (plan, outline);
+            }
         }
     }
     let plan = Plan::new(tree, leaf, LeafCost::FETCHED);

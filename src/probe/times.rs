@@ -116,7 +116,7 @@ impl StageTimes {
 
 impl StageTimes {
     /// Notes how many bounces the rows of the wave have whose stages follow; the last `fresh` ones have none. Of the others one in
-    /// [`EVERY`] is looked at: all of them take 2 % of the time of a render with short paths, a quarter 0.5 %.
+    /// [`EVERY`] is looked at: all of them take 2 % of the time of a render with short paths.
     #[inline(never)]
     pub(super) fn wave(&mut self, depths: &[u32], fresh: usize) {
         let old = &depths[..depths.len() - fresh.min(depths.len())];
