@@ -23,6 +23,8 @@ mod stream;
 mod tile;
 mod triangle;
 mod way;
+#[cfg(test)]
+pub(crate) mod work;
 
 pub use batch::BatchTracer;
 pub use brute::brute_force;
@@ -122,11 +124,15 @@ impl<'a> Tree<'a> {
     /// The inner node of a child code without the [`LEAF`] bit; the root is 0.
     #[inline(always)]
     fn node(self, code: u32) -> &'a Node {
+        #[cfg(test)]
+        work::note(work::NODES);
         Node::at(self.blocks, code as usize)
     }
     /// The leaf of a child code with the [`LEAF`] bit.
     #[inline(always)]
     fn leaf(self, code: u32) -> &'a Leaf {
+        #[cfg(test)]
+        work::note(work::LEAVES);
         Leaf::at(self.blocks, (code & !LEAF) as usize)
     }
     /// Asks for the memory of what a child code leads to.

@@ -16,6 +16,8 @@ pub mod sets;
 pub mod suite;
 mod surfaces;
 pub mod verdict;
+#[cfg(test)]
+mod work;
 
 pub use camera::{Axis, View};
 pub use files::{HitRecord, RayRecord};

@@ -80,7 +80,7 @@ impl Stage {
 pub trait Probe: Sized + Send {
     /// Has seen nothing. On the thread that it sees.
     fn new(asked: Asked) -> Self;
-    /// Runs `work` on `items` rows as stage `stage`.
+    /// Runs `work` on `items` rows as stage `stage`. Runs on no rows may count as none.
     fn stage<T>(&mut self, stage: Stage, items: usize, work: impl FnOnce() -> T) -> T;
     /// Runs work that holds stages, or none.
     #[inline(always)]

@@ -50,12 +50,15 @@ pub struct Event {
 /// Events of a worker that are kept at most; beyond, stages are kept in every second span only, then in every fourth.
 const MOST: usize = 1 << 17;
 
-/// Sums up the time of each stage; where a timeline is asked for, notes when everything began and how long it took, too.
+/// Sums up the time of each stage that has rows, with what goes on before it since the last; where a timeline is asked for, notes when everything began and how long it took, too.
 #[derive(Debug, Default)]
 pub struct Clock {
     times: StageTimes,
     counters: Option<Counters>,
     timeline: bool,
+    /// When the stage before ended, which is when the next begins: a look at the clock takes as long as a stage on a few rows. None
+    /// where a span of work begins or ends, and where counters are read between.
+    last: Option<Instant>,
     events: Vec<Event>,
     /// Number of the span of work, and how many go on.
     span: u32,
@@ -68,10 +71,12 @@ impl Clock {
     /// Notes that a stage ran, which began at `start`. Out of line: there are many calls, each once in a batch.
     #[inline(never)]
     fn note(&mut self, stage: Stage, items: usize, start: Instant, before: Option<Counted>) {
-        let length = start.elapsed();
+        let end = Instant::now();
+        let length = end.saturating_duration_since(start);
+        self.last = self.counters.is_none().then_some(end);
         let counted = self.counters.as_mut().zip(before).map(|(counters, before)| since(&before, &counters.read()));
         self.times.note(stage, items, length, counted);
-        if self.timeline && items > 0 && self.span.trailing_zeros() >= self.sparse {
+        if self.timeline && self.span.trailing_zeros() >= self.sparse {
             self.push(Event { what: What::Stage(stage), start, length, items: items as u32, span: self.span });
         }
     }
@@ -112,20 +117,27 @@ impl Probe for Clock {
     }
     #[inline(always)]
     fn stage<T>(&mut self, stage: Stage, items: usize, work: impl FnOnce() -> T) -> T {
+        if items == 0 {
+            return work();
+        }
         let before = self.counters.as_mut().map(Counters::read);
-        let start = Instant::now();
+        let start = self.last.unwrap_or_else(Instant::now);
         let result = work();
         self.note(stage, items, start, before);
         result
     }
     fn span<T>(&mut self, what: What, work: impl FnOnce(&mut Self) -> T) -> T {
+        self.last = None;
         if !self.timeline {
-            return work(self);
+            let result = work(self);
+            self.last = None;
+            return result;
         }
         let start = Instant::now();
         self.inside += 1;
         let result = work(self);
         self.inside -= 1;
+        self.last = None;
         let event = Event { what, start, length: start.elapsed(), items: 0, span: self.span };
         if is_kept(&event, self.sparse) {
             self.push(event);

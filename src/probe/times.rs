@@ -15,7 +15,7 @@ const EVERY: usize = 16;
 pub struct StageRow {
     /// Which stage.
     pub stage: Stage,
-    /// How often it ran.
+    /// How often it ran, on any rows.
     pub calls: u64,
     /// Rows that it ran on, in all.
     pub items: u64,

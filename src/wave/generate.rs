@@ -55,21 +55,20 @@ impl<S: Sampler> Kernel for Generate<'_, S> {
     #[inline(always)]
     fn run<W: Wide>(self) {
         let Self { q, cx, job, next, count, .. } = self;
-        let mut made = 0;
-        while made < count {
-            let n = MAX_LANES.min(count - made);
-            let live = Rows::range(0, n).live();
+        let groups =
+            || (0..count).step_by(MAX_LANES).map(|made| (made, Rows::range(0, MAX_LANES.min(count - made)).live()));
+        for (made, live) in groups() {
             q.paths.append(live, camera_paths::<S, W>(cx, job, next + made, next + count - 1));
-            if let Some(scales) = &mut q.scales {
-                scales.append(live, Scale { scale: W::splat(1.0) });
-            }
-            if let Some(firsts) = &mut q.firsts {
-                firsts.append(live, First::<W>::none());
-            }
-            if let Some(normals) = &mut q.normals {
-                normals.append(live, Normal { normal: Vec3::<W>::splat([0.0; 3]) });
-            }
-            made += n;
+        }
+        // Each in a pass of its own: scenes without them ask once.
+        if let Some(scales) = &mut q.scales {
+            groups().for_each(|(_, live)| scales.append(live, Scale { scale: W::splat(1.0) }));
+        }
+        if let Some(firsts) = &mut q.firsts {
+            groups().for_each(|(_, live)| firsts.append(live, First::<W>::none()));
+        }
+        if let Some(normals) = &mut q.normals {
+            groups().for_each(|(_, live)| normals.append(live, Normal { normal: Vec3::<W>::splat([0.0; 3]) }));
         }
     }
 }

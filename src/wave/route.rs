@@ -20,13 +20,20 @@ impl Kernel for Route<'_> {
     type Out = ();
     #[inline(always)]
     fn run<W: Wide>(self) {
+        // A wave of one kind lists none, and does not ask for each register.
+        if self.plan.sole_kind() { self.route::<W, false>() } else { self.route::<W, true>() }
+    }
+}
+
+impl Route<'_> {
+    #[inline(always)]
+    fn route<W: Wide, const LISTED: bool>(self) {
         let Self { q, world, plan, counts } = self;
         q.by_kind.iter_mut().for_each(RowList::clear);
         q.escaped.clear();
         q.alive.clear();
         let deepest = W::splat(plan.max_depth as f32);
         let Plan { escape, emit, .. } = *plan;
-        let listed: &[Kind] = if plan.sole_kind() { &[] } else { &plan.kinds };
         for first in (0..q.paths.len()).step_by(MAX_LANES) {
             let rows = Rows::range(first, MAX_LANES.min(q.paths.len() - first));
             let triangles = q.hits.triangle::<W>(&rows).array();
@@ -53,8 +60,10 @@ impl Kernel for Route<'_> {
                 counts.cut(q.paths.throughput::<f32>(&row) * (1.0 / scale));
                 cut &= cut - 1;
             }
-            for &kind in listed {
-                q.by_kind[kind as usize].append::<W>(first, set(kind as usize) & alive);
+            if LISTED {
+                for &kind in &plan.kinds {
+                    q.by_kind[kind as usize].append::<W>(first, set(kind as usize) & alive);
+                }
             }
             q.alive.push(alive as u8);
         }
