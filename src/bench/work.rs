@@ -1,13 +1,15 @@
 //! How many nodes and leaves the kernels visit, as it was last accepted. All kernels find the same hits; what they visit for them is what
-//! rays cost, and no other test sees it. The trees are part of it: their builders, what a leaf costs, the order of children.
+//! rays cost, and no test of hits sees it. The trees are part of it: their builders, what a leaf costs, the order of children.
 //!
-//! Who means to change it says so by new figures: a test that fails prints them. `wavetrace bench` tells whether they pay.
+//! Who means to change it says so by new figures: a test that fails prints them. `wavetrace bench` tells whether they pay. Accepted on
+//! Linux with AVX2 and FMA.
 
 use super::kernel::{Query, Tracer};
 use super::sets::{Options, RaySet, SetKind, make};
 use super::{Kernel, RayRecord, room};
 use crate::accel::work::visits;
 use crate::accel::{BatchTracer, BuildOptions, Bvh, Many, Quality, Ray, Scalar, Single, Streams, Tiles};
+use crate::lanes::simd;
 
 /// A set of rays by the kernel of a name.
 fn trace(kernel: &str, bvh: &Bvh, rays: &[RayRecord], query: Query) {
@@ -94,7 +96,11 @@ const ACCEPTED: &str = "\
 4096 shuffled: scalar 35487 8205 single 35508 8227 many 35743 8229 stream 20644 8121 tile 20644 8121";
 
 #[test]
-fn no_more_is_visited_than_was_accepted() {
+fn what_is_visited_is_what_was_accepted() {
+    // Others round otherwise, and may enter another box.
+    if simd() != "avx2+fma" || cfg!(not(target_os = "linux")) {
+        return;
+    }
     let found = table();
     assert!(found == ACCEPTED, "visited:\n{found}\n\naccepted:\n{ACCEPTED}");
 }

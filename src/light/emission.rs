@@ -23,6 +23,10 @@ impl ByPower {
         });
         Self { sums: sums.collect(), inverse: 1.0 / all }
     }
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.sums[..])
+    }
     fn draw(&self, u: f32) -> usize {
         self.sums.partition_point(|&s| s <= u).min(self.sums.len() - 1)
     }

@@ -158,9 +158,8 @@ impl Lights {
             Choice::Few(few) => few.bytes(),
             Choice::Many(tree) => tree.bytes(),
         };
-        // Per emitter also its reach, its share of the power, and the density with which light paths start on it.
-        let starts = 3 * size_of_val(&self.starts[..]);
-        size_of_val(&self.emitters[..]) + size_of_val(&self.rows[..]) + size_of_val(&self.seen[..]) + starts + choice
+        let numbers = size_of_val(&self.reaches[..]) + size_of_val(&self.starts[..]) + self.by_power.bytes();
+        size_of_val(&self.emitters[..]) + size_of_val(&self.rows[..]) + size_of_val(&self.seen[..]) + numbers + choice
     }
 
     /// Chooses a point on a light: the emitter by the uniform number `pick`, where there is a choice, and the point by two
@@ -330,6 +329,23 @@ mod tests {
             Choice::Only => 1.0,
             Choice::Few(few) => few.probability(from, emitter),
             Choice::Many(tree) => tree.probability(from, emitter),
+        }
+    }
+
+    #[test]
+    fn all_that_is_held_is_counted() {
+        for n in [1, 5, 300] {
+            let l = lights(n);
+            let lists = [size_of_val(&l.emitters[..]), size_of_val(&l.rows[..]), size_of_val(&l.seen[..])];
+            let numbers = [size_of_val(&l.reaches[..]), size_of_val(&l.starts[..]), l.by_power.bytes()];
+            let columns = [lists, numbers].concat();
+            let choice = match &l.choice {
+                Choice::Only => 0,
+                Choice::Few(few) => few.bytes(),
+                Choice::Many(tree) => tree.bytes(),
+            };
+            assert!(n == 1 || choice > 4 * l.emitters.len(), "{choice}");
+            assert_eq!(l.bytes(), columns.iter().sum::<usize>() + choice);
         }
     }
 

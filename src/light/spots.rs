@@ -218,6 +218,17 @@ mod tests {
         Spots::new(&(0..20_000).map(|i| arrival(places, size, i)).collect::<Vec<_>>(), MEAN_CHANCE)
     }
 
+    #[test]
+    fn every_cell_has_its_number() {
+        let map = spots(1, 0.2);
+        for number in 0..SIDE * SIDE * SIDE {
+            let place = [number % SIDE, number / SIDE % SIDE, number / (SIDE * SIDE)];
+            let centre = place.map(|i| (i as f32 + 0.5) / map.cells_per_unit);
+            let point: [f32; 3] = std::array::from_fn(|axis| map.low[axis] + centre[axis]);
+            assert_eq!(map.cells(Vec3::<f32>::splat(point)) as usize, number, "{place:?}");
+        }
+    }
+
     /// Directions against the stated density: chi-squared over 8 x 16 cells of the sphere, whose integrals are sums over
     /// 2^20 uniform directions with an error of their own; cells below 5 pooled, and nothing outside of what it covers. 6 tests
     /// at 10^-3 in all (Sidak): each at 1.7e-4.

@@ -37,7 +37,7 @@ impl What {
 pub struct Event {
     /// What it was.
     pub what: What,
-    /// When it began.
+    /// When it began: a stage, at the end of the one before it.
     pub start: Instant,
     /// How long it took.
     pub length: Duration,
@@ -50,14 +50,15 @@ pub struct Event {
 /// Events of a worker that are kept at most; beyond, stages are kept in every second span only, then in every fourth.
 const MOST: usize = 1 << 17;
 
-/// Sums up the time of each stage that has rows, with what goes on before it since the last; where a timeline is asked for, notes when everything began and how long it took, too.
+/// Sums up the time of each stage that has rows; where a timeline is asked for, notes when everything began and how long it took, too.
+/// A stage begins where the one before ended: what little goes on between, stages without rows too, is the later one's.
 #[derive(Debug, Default)]
 pub struct Clock {
     times: StageTimes,
     counters: Option<Counters>,
     timeline: bool,
-    /// When the stage before ended, which is when the next begins: a look at the clock takes as long as a stage on a few rows. None
-    /// where a span of work begins or ends, and where counters are read between.
+    /// When the stage before ended; none where a span of work begins or ends, where the wave was looked at, and where counters are
+    /// read between.
     last: Option<Instant>,
     events: Vec<Event>,
     /// Number of the span of work, and how many go on.
@@ -150,6 +151,7 @@ impl Probe for Clock {
     #[inline(always)]
     fn wave(&mut self, depths: &[u32], fresh: usize) {
         self.times.wave(depths, fresh);
+        self.last = None;
     }
     fn seen(self) -> Seen {
         Seen { stages: self.times.rows().to_vec(), events: self.events }
@@ -173,9 +175,39 @@ mod tests {
         let names: Vec<_> = seen.events.iter().map(|e| (e.what.name(), e.items, e.span)).collect();
         let expected = [("shade", 3, 0), ("merge", 0, 0), ("visit", 0, 0), ("scatter", 5, 1), ("light paths", 0, 1)];
         assert_eq!(names, expected);
-        let [shade, _, visit, ..] = seen.events[..] else { panic!("five events") };
+        let [shade, _, visit, scatter, light] = seen.events[..] else { panic!("five events") };
+        assert!(light.start <= scatter.start && scatter.start + scatter.length <= light.start + light.length);
+        // On no rows nothing ran.
+        assert_eq!(seen.stages.iter().map(|row| row.calls).sum::<u64>(), 2);
         assert!(visit.start <= shade.start && shade.start + shade.length <= visit.start + visit.length);
         assert_eq!(seen.stages.iter().map(|row| row.items).sum::<u64>(), 8);
+    }
+
+    /// Stages touch, but for where something else goes on between.
+    #[test]
+    fn a_stage_begins_where_the_one_before_ended() {
+        let mut probe = Clock::new(Asked { timeline: true, counters: false });
+        let pause = || std::thread::sleep(Duration::from_millis(2));
+        probe.span(What::Visit, |probe| {
+            probe.stage(Stage::Generate, 3, pause);
+            probe.wave(&[0, 0, 0], 3);
+            pause();
+            probe.stage(Stage::Intersect, 3, pause);
+            probe.stage(Stage::Route, 0, pause);
+            probe.stage(Stage::Shade, 3, pause);
+            pause();
+        });
+        pause();
+        probe.span(What::Visit, |probe| probe.stage(Stage::Accumulate, 3, pause));
+        let events = probe.seen().events;
+        let [generate, intersect, shade, visit, accumulate, last] = events[..] else { panic!("{events:?}") };
+        assert!(
+            generate.start + generate.length < intersect.start && intersect.start + intersect.length == shade.start
+        );
+        assert!(
+            shade.length >= 2 * Duration::from_millis(2) && shade.start + shade.length < visit.start + visit.length
+        );
+        assert!(visit.start + visit.length < last.start && last.start <= accumulate.start);
     }
 
     #[test]

@@ -21,7 +21,7 @@ pub struct StageRow {
     pub items: u64,
     /// Lanes that were spent on them: each run takes its rows eight at a time.
     pub lanes: u64,
-    /// Time spent in it, summed over threads.
+    /// Time spent in it and since the stage before it, summed over threads.
     pub time: Duration,
     /// What hardware counters counted in it, summed over threads; `None` where none was read.
     pub counted: Option<Counted>,
@@ -150,16 +150,16 @@ mod tests {
     #[test]
     fn rows_fill_lanes_eight_at_a_time() {
         let mut probe = StageTimes::default();
-        for items in [16, 9, 0, 1] {
+        for items in [16, 9, 1] {
             probe.note(Stage::Shade, items, Duration::ZERO, Some([2, 3, 5, 7]));
         }
         let (none, row) = (row(&probe, Stage::Generate), row(&probe, Stage::Shade));
-        assert_eq!((row.calls, row.items, row.lanes), (4, 26, 40));
-        assert_eq!((row.counted, none.counted), (Some([8, 12, 20, 28]), None));
+        assert_eq!((row.calls, row.items, row.lanes), (3, 26, 40));
+        assert_eq!((row.counted, none.counted), (Some([6, 9, 15, 21]), None));
         let mut both = row;
         both.add(&none);
         both.add(&row);
-        assert_eq!((both.items, both.counted), (52, Some([16, 24, 40, 56])));
+        assert_eq!((both.items, both.counted), (52, Some([12, 18, 30, 42])));
         assert_eq!((row.occupancy(), none.occupancy(), none.ns_per_item()), (0.65, 1.0, 0.0));
     }
 

@@ -62,13 +62,19 @@ impl<S: Sampler> Kernel for Generate<'_, S> {
         }
         // Each in a pass of its own: scenes without them ask once.
         if let Some(scales) = &mut q.scales {
-            groups().for_each(|(_, live)| scales.append(live, Scale { scale: W::splat(1.0) }));
+            for (_, live) in groups() {
+                scales.append(live, Scale { scale: W::splat(1.0) });
+            }
         }
         if let Some(firsts) = &mut q.firsts {
-            groups().for_each(|(_, live)| firsts.append(live, First::<W>::none()));
+            for (_, live) in groups() {
+                firsts.append(live, First::<W>::none());
+            }
         }
         if let Some(normals) = &mut q.normals {
-            groups().for_each(|(_, live)| normals.append(live, Normal { normal: Vec3::<W>::splat([0.0; 3]) }));
+            for (_, live) in groups() {
+                normals.append(live, Normal { normal: Vec3::<W>::splat([0.0; 3]) });
+            }
         }
     }
 }

@@ -202,6 +202,22 @@ mod tests {
         }
     }
 
+    /// One pass first; then as many at once as leave four visits, and no more than are worth it.
+    #[test]
+    fn passes_are_bundled_where_there_are_many() {
+        let even = Efforts::default();
+        for passes in 1..40 {
+            let grid = Grid::new([16, 16], 0..passes * Grid::SAMPLES, &even, DEFAULT_JOB);
+            let visits: Vec<usize> = (0..grid.visits()).map(|visit| grid.passes(0, visit).len()).collect();
+            assert_eq!(visits.iter().sum::<usize>(), passes as usize, "{visits:?}");
+            assert!(visits[0] == 1 && visits.len() >= passes.min(5) as usize, "{passes} passes: {visits:?}");
+            let bundles = &visits[1..visits.len().max(2) - 1];
+            let most = Grid::PASSES as usize;
+            let expected = (passes as usize / 4).clamp(1, most);
+            assert!(bundles.iter().all(|&n| n == expected), "{passes} passes: {visits:?}");
+        }
+    }
+
     #[test]
     fn paths_of_a_tile_of_rays_are_neighbours() {
         for (spp, area) in [(64, 8), (8, 8), (1, 64), (4, 64)] {

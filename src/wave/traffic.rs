@@ -96,9 +96,15 @@ mod tests {
         let of = |stage: Stage| room.stage_bytes(stage).unwrap();
         assert_eq!([Stage::Generate, Stage::Intersect, Stage::Compact].map(of), [56, 36, 2 * (40 + 12)]);
         assert_eq!([Stage::Shade, Stage::Connect].map(of), [2 * 56 - 4 + 12 + 40, 40 + 24]);
+        assert_eq!([Stage::Route, Stage::Escape, Stage::Emit].map(of), [4 + 4, 24 + 4 + 24, 56 + 12 + 24]);
+        assert_eq!(of(Stage::Accumulate), 12);
         // Glass adds a scale to all that moves paths, and light paths more.
-        for (with, without) in bytes(&plan(&[matt, glass, lamp], 0.0)).into_iter().zip(bytes(&room)) {
+        let rich = plan(&[matt, glass, lamp], 0.0);
+        for (with, without) in bytes(&rich).into_iter().zip(bytes(&room)) {
             assert!(with >= without, "{with:?} {without:?}");
         }
+        // A list of rows; a scale and two densities.
+        let of = |stage: Stage| rich.stage_bytes(stage).unwrap();
+        assert_eq!([Stage::Route, Stage::Compact].map(of), [4 + 4 + 4, 2 * (56 + 4 + 8)]);
     }
 }
