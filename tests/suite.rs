@@ -357,12 +357,17 @@ fn a_tax_is_what_this_program_takes_more_than_a_build_without() {
     use std::os::unix::fs::PermissionsExt;
     let place = Place::new();
     let program = |name: &str, samples_per_s: &str| {
-        let text = format!("#!/bin/sh\necho '{{\"samples_per_s\": {samples_per_s}}}' > stats.json\n");
+        let this = env!("CARGO_BIN_EXE_wavetrace");
+        let text = format!(
+            "#!/bin/sh\n{this} \"$@\"{}\necho '{{\"samples_per_s\": {samples_per_s}}}' > stats.json\n",
+            if name == "other" { " --seed 7" } else { "" }
+        );
         fs::write(place.path(name), text).unwrap();
         fs::set_permissions(place.path(name), fs::Permissions::from_mode(0o755)).unwrap();
     };
     program("fast", "1e15");
     program("slow", "1e-3");
+    program("other", "1");
 
     let (out, err) = place.expect(0, "bench tax");
     assert!(out.contains("used, 44") && out.contains("--without FEATURES=PROGRAM"), "{out}");
@@ -383,6 +388,7 @@ fn a_tax_is_what_this_program_takes_more_than_a_build_without() {
         ("bench tax --without glass=./fast", "\"glass\""),
         ("bench tax --without transparent", "FEATURE+FEATURE=PROGRAM"),
         ("bench tax --by time --without transparent=./nowhere", "nowhere"),
+        ("bench tax --by time --size 16x16 --without transparent=./other", "other: renders"),
         ("bench tax --scenes .", "found no scene"),
         ("bench tax -o missing/tax.md", "missing/tax.md"),
     ] {
@@ -390,5 +396,5 @@ fn a_tax_is_what_this_program_takes_more_than_a_build_without() {
         assert!(code != Some(0) && err.contains(part) && out.is_empty(), "{args}: {out}{err}");
     }
     let names: BTreeSet<_> = fs::read_dir(place.path("")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
-    assert_eq!(names.len(), 4, "{names:?}");
+    assert_eq!(names.len(), 5, "{names:?}");
 }

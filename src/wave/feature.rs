@@ -10,8 +10,10 @@ pub enum Feature {
     Matt,
     /// Perfect mirrors.
     Specular,
-    /// Glass, and the scale of radiance that its paths carry.
+    /// Glass.
     Transparent,
+    /// The scale that paths carry: of radiance where glass refracts, of energy on light paths.
+    Scale,
     /// Surfaces of several kinds, by which paths are sorted.
     Kinds,
     /// Interpolated normals.
@@ -28,10 +30,11 @@ pub enum Feature {
 
 impl Feature {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Matt,
         Self::Specular,
         Self::Transparent,
+        Self::Scale,
         Self::Kinds,
         Self::Smooth,
         Self::Background,
@@ -46,6 +49,7 @@ impl Feature {
             Self::Matt => "matt",
             Self::Specular => "specular",
             Self::Transparent => "transparent",
+            Self::Scale => "scale",
             Self::Kinds => "kinds",
             Self::Smooth => "smooth",
             Self::Background => "background",
@@ -66,7 +70,8 @@ impl Plan {
         match feature {
             Feature::Matt => self.kinds.contains(&Kind::Matt),
             Feature::Specular => self.kinds.contains(&Kind::Specular),
-            Feature::Transparent => self.transmit,
+            Feature::Transparent => self.kinds.contains(&Kind::Transparent),
+            Feature::Scale => self.transmit || self.caustics(),
             Feature::Kinds => self.kinds.len() > 1,
             Feature::Smooth => self.smooth,
             Feature::Background => self.escape,
@@ -78,8 +83,8 @@ impl Plan {
     /// Bytes of columns that each path has because of it, and would not have without.
     pub fn feature_bytes(&self, feature: Feature) -> usize {
         let names: &[&str] = match feature {
-            Feature::Matt | Feature::Specular | Feature::Smooth => &[],
-            Feature::Transparent => &["refraction."],
+            Feature::Matt | Feature::Specular | Feature::Transparent | Feature::Smooth => &[],
+            Feature::Scale => &["refraction."],
             Feature::Kinds => &["lists.surfaces"],
             Feature::Background => &["lists.escaped"],
             Feature::Lights => &["connection.", "lists.lights"],

@@ -11,7 +11,7 @@ use crate::cli::interrupt::Interrupt;
 use crate::cli::messages::Console;
 use crate::cli::progress::Meter;
 use page::Page;
-use process::Work;
+use process::{Figure, Work};
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -98,50 +98,60 @@ fn compare(args: &TaxArgs, by: Measure, scenes: &[Scene], control: &Control) -> 
     };
     let find = |program: &Path, scene: &Path| {
         let at = jobs.iter().position(|job| (job.program, job.scene) == (program, scene))?;
-        figures.get(at).copied()
+        figures.get(at)
     };
+    // What renders something else is no measure of what it lacks.
+    for job in &jobs {
+        let image = |program: &Path| find(program, job.scene).map(|figure| &figure.pixels);
+        if image(job.program) != image(&this) {
+            let reason = format!("renders {} otherwise, which uses something that it lacks", job.scene.display());
+            return Err(Error::Output { file: job.program.to_owned(), reason });
+        }
+    }
     let tax = |scene: &Scene, build: &Without| {
-        let figure = |program: &Path| find(program, &scene.path).filter(|_| scene.lacks(build));
+        let figure = |program: &Path| find(program, &scene.path).filter(|_| scene.lacks(build)).map(|f| f.value);
         Some(figure(&this)? / figure(&build.program)? - 1.0)
     };
     Ok(scenes.iter().map(|scene| args.without.iter().map(|build| tax(scene, build)).collect()).collect())
 }
 
 /// Instructions per sample of each, several at a time: counts do not disturb each other.
-fn count(jobs: &[Work<'_>], seen: impl Fn(f64) + Sync, control: &Control) -> LibraryResult<Vec<f64>> {
+fn count(jobs: &[Work<'_>], seen: impl Fn(f64) + Sync, control: &Control) -> LibraryResult<Vec<Figure>> {
     let workers = thread::available_parallelism().map_or(1, usize::from);
     let done = AtomicUsize::new(0);
     let one = |job: &Work<'_>| {
         if control.is_stopped() {
-            return Ok(f64::NAN);
+            return Ok(Figure { value: f64::NAN, pixels: Vec::new() });
         }
         let figure = process::instructions(job);
         seen((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / jobs.len() as f64);
         figure
     };
-    let share = &|first: usize| jobs.iter().skip(first).step_by(workers).map(one).collect::<LibraryResult<Vec<f64>>>();
-    let shares: Vec<Vec<f64>> = thread::scope(|scope| {
+    let share =
+        &|first: usize| jobs.iter().skip(first).step_by(workers).map(one).collect::<LibraryResult<Vec<Figure>>>();
+    let mut shares: Vec<std::vec::IntoIter<Figure>> = thread::scope(|scope| {
         let started: Vec<_> = (0..workers).map(|first| scope.spawn(move || share(first))).collect();
         started
             .into_iter()
-            .map(|worker| worker.join().unwrap_or_else(|panic| resume_unwind(panic)))
+            .map(|worker| worker.join().unwrap_or_else(|panic| resume_unwind(panic)).map(Vec::into_iter))
             .collect::<LibraryResult<_>>()
     })?;
-    Ok((0..jobs.len()).map(|k| shares[k % workers][k / workers]).collect())
+    Ok((0..jobs.len()).filter_map(|k| shares[k % workers].next()).collect())
 }
 
 /// Seconds per sample of each, the median of repeats in turns.
-fn time(jobs: &[Work<'_>], repeats: usize, seen: impl Fn(f64), control: &Control) -> LibraryResult<Vec<f64>> {
-    // Once without the clock, so that what cannot run is told.
-    jobs.iter().try_for_each(|job| process::seconds(&Work { spp: 1, ..*job }).map(|_| ()))?;
+fn time(jobs: &[Work<'_>], repeats: usize, seen: impl Fn(f64), control: &Control) -> LibraryResult<Vec<Figure>> {
+    // Once without the clock, so that what cannot run is told; and for the images.
+    let once: Vec<Figure> =
+        jobs.iter().map(|job| process::seconds(&Work { spp: 1, ..*job })).collect::<LibraryResult<_>>()?;
     let figures = measure(jobs.iter().map(timed).collect(), repeats, |share| {
         seen(share);
         !control.is_stopped()
     });
-    Ok(figures.iter().map(|figure| figure.median()).collect())
+    Ok(once.into_iter().zip(&figures).map(|(once, timed)| Figure { value: timed.median(), ..once }).collect())
 }
 
 fn timed<'a>(job: &'a Work<'_>) -> Case<'a> {
-    let run = move || vec![process::seconds(job).map_or(f64::NAN, |seconds| seconds * 1e9)];
+    let run = move || vec![process::seconds(job).map_or(f64::NAN, |figure| figure.value * 1e9)];
     Case { figures: vec![(String::new(), Unit::Nanoseconds)], run: Box::new(run) }
 }

@@ -18,6 +18,15 @@ pub struct Work<'a> {
     pub spp: u32,
 }
 
+/// What a render took, and what it gave.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    /// Instructions or seconds per sample.
+    pub value: f64,
+    /// Bytes of the pixels.
+    pub pixels: Vec<u8>,
+}
+
 /// Whether [`instructions`] can count here: whether valgrind can be started.
 pub fn can_count() -> bool {
     Command::new("valgrind").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
@@ -29,25 +38,26 @@ pub fn can_count() -> bool {
 ///
 /// # Errors
 /// [`Error::Output`] with what the program or valgrind said, [`Error::Io`] where neither starts.
-pub fn instructions(work: &Work<'_>) -> Result<f64> {
+pub fn instructions(work: &Work<'_>) -> Result<Figure> {
     let count = |spp: u32| {
         let mut command = Command::new("valgrind");
         command.args(["--tool=callgrind", "--callgrind-out-file=/dev/null"]).arg(whole(work.program)?);
         command.args(["--threads", "1"]);
-        let (output, _folder) = render(command, work, spp)?;
+        let (output, folder) = render(command, work, spp)?;
         let text = String::from_utf8_lossy(&output.stderr);
-        collected(&text).ok_or_else(|| fault(work.program, "expected valgrind to say what it collected"))
+        let all = collected(&text).ok_or_else(|| fault(work.program, "expected valgrind to say what it collected"))?;
+        Ok((all as f64, pixels(&folder, work)?))
     };
-    let (few, many) = (count(1)?, count(work.spp.saturating_add(1))?);
+    let ((few, _), (many, pixels)) = (count(1)?, count(work.spp.saturating_add(1))?);
     let samples = f64::from(work.size.0) * f64::from(work.size.1) * f64::from(work.spp);
-    Ok((many as f64 - few as f64) / samples)
+    Ok(Figure { value: (many - few) / samples, pixels })
 }
 
 /// Seconds per sample of the render alone, on all threads.
 ///
 /// # Errors
 /// As [`instructions`].
-pub fn seconds(work: &Work<'_>) -> Result<f64> {
+pub fn seconds(work: &Work<'_>) -> Result<Figure> {
     let mut command = Command::new(whole(work.program)?);
     command.args(["--stats", "stats.json"]);
     let (_, folder) = render(command, work, work.spp)?;
@@ -55,7 +65,16 @@ pub fn seconds(work: &Work<'_>) -> Result<f64> {
     let text = std::fs::read_to_string(&path).map_err(|source| Error::Io { file: path, action: "read", source })?;
     let figures: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
     let rate = figures["samples_per_s"].as_f64().filter(|rate| *rate > 0.0);
-    rate.map(|rate| 1.0 / rate).ok_or_else(|| fault(work.program, "expected samples per second in what --stats writes"))
+    let rate = rate.ok_or_else(|| fault(work.program, "expected samples per second in what --stats writes"))?;
+    Ok(Figure { value: 1.0 / rate, pixels: pixels(&folder, work)? })
+}
+
+/// The pixels of the image in the folder of a render, behind its head.
+fn pixels(folder: &TempDir, work: &Work<'_>) -> Result<Vec<u8>> {
+    let path = folder.path().join("image.ppm");
+    let mut bytes = std::fs::read(&path).map_err(|source| Error::Io { file: path, action: "read", source })?;
+    let head = bytes.len().saturating_sub(3 * work.size.0 as usize * work.size.1 as usize);
+    Ok(bytes.split_off(head))
 }
 
 /// Runs `command` with what a render is told; it must succeed. Its files are in the folder.
