@@ -484,6 +484,8 @@ mod tests {
             }
         }
         assert!(stack_bound(DEPTH as usize) <= STACK);
+        // Seven of each node on the way, eight below the last, and eight that are written beyond.
+        assert_eq!([1, 2, 64].map(stack_bound), [7 + 8 + 8, 2 * 7 + 8 + 8, 64 * 7 + 8 + 8]);
         assert!(deepest > 40, "only {deepest}: nothing here comes near the bound");
     }
 }

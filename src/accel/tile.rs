@@ -245,4 +245,13 @@ mod tests {
         assert!(!taken(&fan(0.01, -0.035)), "to both sides of two axes");
         assert!(!taken(&fan(0.6, 0.02)), "with different longest axes");
     }
+
+    /// Boxes are padded in proportion to how far a ray gets along its main axis: for all rays of a tile as for the one that needs most.
+    #[test]
+    fn tiles_are_padded_for_all_of_their_rays() {
+        let ray = |i: usize| Ray { origin: [0.0; 3], direction: [0.1, 0.1, 1.0 + i as f32], t_max: f32::INFINITY };
+        let rays: Vec<Ray> = (0..TILE).map(ray).collect();
+        let (_, interval) = Tiles::new().load::<F32x8>(rays.as_slice(), 0, TILE).unwrap();
+        assert_eq!(interval.shear, 1.0);
+    }
 }

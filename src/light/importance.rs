@@ -108,7 +108,11 @@ mod tests {
             };
             let bounds = Bounds::of(&emitter);
             let centre = bounds.centre.map(f64::from);
-            let farthest = emitter.corners().map(|c| distance(&c.map(f64::from), &centre)).fold(0.0, f64::max);
+            let apart = |c: [f32; 3]| {
+                let [x, y, z] = std::array::from_fn(|k| f64::from(c[k]) - centre[k]);
+                x.hypot(y).hypot(z)
+            };
+            let farthest = emitter.corners().map(apart).fold(0.0, f64::max);
             let radius = f64::from(bounds.radius);
             assert!(farthest <= radius && radius < farthest * 1.0001, "{emitter:?}: {bounds:?}, {farthest}");
             assert_eq!((bounds.cos_cone, bounds.axis, bounds.power), (1.0, emitter.normal, emitter.power() as f32));
