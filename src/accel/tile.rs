@@ -1,7 +1,8 @@
 //! Tiles of neighbouring rays (kernel C): one test of a node serves 64 rays that run the same way, by intervals that
 //! hold all of them; in a leaf, eight rays meet one triangle at a time.
 //!
-//! A tile whose rays run apart, or whose intervals let too much through, is handed to kernel D.
+//! A tile whose rays run apart, or whose intervals let too much through, is handed to kernel D. Where tile after tile lets too much
+//! through, as where triangles are as small as pixels, the next ones are not tried: twice as many each time.
 
 use super::batch::BatchTracer;
 use super::boxes::Met;
@@ -19,6 +20,9 @@ pub const TILE: usize = 64;
 const GROUPS: usize = TILE / MAX_LANES;
 /// Work after which a tile is loose: in node tests, which cost about as much as a leaf's test of two groups.
 const LOOSE: usize = 640;
+/// Most doubt, which a loose tile adds to and another takes back: tries pay where half of them are none. So many times the number of tiles
+/// that are left out after a loose one has doubled.
+const DOUBT: u32 = 6;
 /// Relative error of an interval's ends against the distances of single rays, with room.
 const INTERVAL_SLACK: f32 = 1.0 + 32.0 * f32::EPSILON;
 
@@ -58,13 +62,25 @@ pub struct Tiles {
     parents: Box<[u32; STACK]>,
     lanes: Box<[u32; STACK]>,
     loose: Streams,
+    /// How often tiles were loose lately, and how many of the next are not tried.
+    doubt: u32,
+    left_out: u32,
 }
 
 impl Default for Tiles {
     fn default() -> Self {
         let stack = || Box::new([0; STACK]);
         let (groups, near) = (Box::new([Group::empty(); GROUPS]), Box::new([0.0; STACK]));
-        Self { groups, near, codes: stack(), parents: stack(), lanes: stack(), loose: Streams::new() }
+        Self {
+            groups,
+            near,
+            codes: stack(),
+            parents: stack(),
+            lanes: stack(),
+            loose: Streams::new(),
+            doubt: 0,
+            left_out: 0,
+        }
     }
 }
 
@@ -88,7 +104,7 @@ impl BatchTracer for Tiles {
         let mut loose_from = 0;
         for first in (0..=count).step_by(TILE) {
             let n = TILE.min(count - first);
-            let done = n > 0 && !bvh.is_empty() && self.tile::<W, ANY>(bvh, rays, first, n);
+            let done = n > 0 && !bvh.is_empty() && self.tries() && self.tile::<W, ANY>(bvh, rays, first, n);
             if done || n < TILE {
                 let end = if done { first } else { count };
                 if loose_from < end {
@@ -110,6 +126,15 @@ impl Tiles {
     /// Forgets what earlier batches showed, so that a job's hits are found the same way on any worker.
     pub fn restart(&mut self) {
         self.loose.restart();
+        (self.doubt, self.left_out) = (0, 0);
+    }
+
+    /// Whether the next tile is worth a try.
+    #[inline(always)]
+    fn tries(&mut self) -> bool {
+        let tries = self.left_out == 0;
+        self.left_out = self.left_out.saturating_sub(1);
+        tries
     }
 
     /// The kernel for rays that are no tiles.
@@ -128,7 +153,7 @@ impl Tiles {
     ) -> bool {
         let Some((way, interval)) = self.load::<W>(rays, first, n) else { return false };
         let (tree, groups) = (bvh.tree_for::<ANY>(), n.div_ceil(MAX_LANES));
-        let Self { groups: all, near, codes, parents, lanes, .. } = self;
+        let Self { groups: all, near, codes, parents, lanes, doubt, left_out, .. } = self;
         let groups = &mut all[..groups];
         let pad = interval.shear * tree.slack;
         let mut t_max = farthest::<W>(groups) + pad;
@@ -164,9 +189,12 @@ impl Tiles {
                 t_max = farthest::<W>(groups) + pad;
             }
             if work > LOOSE {
+                *left_out = (1 << *doubt) - 1;
+                *doubt = DOUBT.min(*doubt + 1);
                 return false;
             }
         }
+        *doubt = doubt.saturating_sub(1);
         true
     }
 
@@ -218,23 +246,26 @@ impl Tiles {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Ray;
+    use super::super::work::visits;
+    use super::super::{Many, Ray};
     use super::*;
     use crate::lanes::F32x8;
 
-    fn wall() -> Bvh {
-        let at = |i: usize, k: usize| [i as f32 / 16.0 - 0.5, k as f32 / 16.0 - 0.5, 2.0];
+    /// A square of so many cells across, each of two triangles, before the origin.
+    fn wall(cells: usize) -> Bvh {
+        let step = 1.0 / cells as f32;
+        let at = |i: usize, k: usize| [i as f32 * step - 0.5, k as f32 * step - 0.5, 2.0];
         let cell = |i: usize, k: usize| {
             [[at(i, k), at(i + 1, k), at(i, k + 1)], [at(i + 1, k + 1), at(i, k + 1), at(i + 1, k)]]
         };
-        let corners: Vec<_> = (0..16).flat_map(|i| (0..16).flat_map(move |k| cell(i, k))).collect();
+        let corners: Vec<_> = (0..cells).flat_map(|i| (0..cells).flat_map(move |k| cell(i, k))).collect();
         Bvh::build(&corners)
     }
 
     /// What a tile is for runs as one; what runs apart, or meets everything, is left to the other kernel.
     #[test]
     fn tiles_take_what_runs_together() {
-        let bvh = wall();
+        let bvh = wall(16);
         let fan = |spread: f32, turn: f32| -> Vec<Ray> {
             let direction = |i: usize| [(i % 8) as f32 * spread + turn, (i / 8) as f32 * spread + turn, 2.0];
             (0..TILE).map(|i| Ray { origin: [0.0; 3], direction: direction(i), t_max: f32::INFINITY }).collect()
@@ -244,6 +275,38 @@ mod tests {
         assert!(taken(&fan(0.01, 0.02)), "neighbouring pixels");
         assert!(!taken(&fan(0.01, -0.035)), "to both sides of two axes");
         assert!(!taken(&fan(0.6, 0.02)), "with different longest axes");
+    }
+
+    /// Where all tiles are loose, fewer and fewer are tried, until a job begins.
+    #[test]
+    fn loose_tiles_are_left_out() {
+        const COUNT: usize = 64 * TILE;
+        let (bvh, mut tiles) = (wall(128), Tiles::new());
+        let direction = |i: usize| [(i % 8) as f32 / 17.0 + 0.01, (i / 8 % 8) as f32 / 17.0 + 0.01, 2.0];
+        let ray = |i| Ray { origin: [0.0; 3], direction: direction(i), t_max: f32::INFINITY };
+        let rays: Vec<Ray> = (0..COUNT).map(ray).collect();
+        fn cost(kernel: &mut impl BatchTracer, bvh: &Bvh, rays: &[Ray]) -> [u64; 2] {
+            let mut found = 0;
+            let cost = visits(|| kernel.closest(bvh, COUNT, rays, |_, hit| found += usize::from(hit.is_some())));
+            assert_eq!(found, COUNT);
+            cost
+        }
+        let one = visits(|| assert!(!tiles.tile::<F32x8, false>(&bvh, rays.as_slice(), 0, TILE)));
+        let many = cost(&mut Many::new(), &bvh, &rays);
+        let tries = |n: u64| [0, 1].map(|k| many[k] + n * one[k]);
+        tiles.loose().allow(false);
+        tiles.restart();
+        // The first two, and one after leaving out 1, 3, 7, 15 and 31.
+        assert_eq!(cost(&mut tiles, &bvh, &rays), tries(7));
+        assert_eq!(cost(&mut tiles, &bvh, &rays), tries(1));
+        tiles.restart();
+        assert_eq!(cost(&mut tiles, &bvh, &rays), tries(7));
+        // One that is none lets more be tried.
+        tiles.restart();
+        tiles.doubt = 2;
+        let straight = vec![rays[9]; TILE];
+        assert!(tiles.tile::<F32x8, false>(&bvh, straight.as_slice(), 0, TILE));
+        assert_eq!((tiles.doubt, tiles.left_out), (1, 0));
     }
 
     /// Boxes are padded in proportion to how far a ray gets along its main axis: for all rays of a tile as for the one that needs most.

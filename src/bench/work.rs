@@ -91,8 +91,8 @@ const ACCEPTED: &str = "\
 4096 shadow: scalar 20817 5092 single 21015 5126 many 21015 5126 stream 2629 1862 tile 4391 2894
 4096 shuffled: scalar 27887 12542 single 27838 12434 many 28106 12434 stream 12550 10422 tile 12550 10422
 50000 triangles, Balanced, leaves of 8: 1904 nodes, 12678 leaves
-4096 primary: scalar 35699 6029 single 35749 6057 many 36094 6059 stream 6737 3898 tile 23545 8029
-4096 shadow: scalar 27243 3771 single 27285 3804 many 27285 3804 stream 27285 3804 tile 28192 5225
+4096 primary: scalar 35699 6029 single 35749 6057 many 36094 6059 stream 6737 3898 tile 24023 6512
+4096 shadow: scalar 27243 3771 single 27285 3804 many 27285 3804 stream 27285 3804 tile 27718 4669
 4096 shuffled: scalar 35487 8205 single 35508 8227 many 35743 8229 stream 20644 8121 tile 20644 8121";
 
 #[test]
