@@ -88,7 +88,7 @@ const ACCEPTED: &str = "\
 4096 shuffled: scalar 21785 6659 single 21813 6672 many 21944 6689 stream 6864 4078 tile 6864 4078
 2000 triangles, Balanced, leaves of 1: 397 nodes, 2002 leaves
 4096 primary: scalar 28524 9477 single 28627 9589 many 29063 9590 stream 3345 2602 tile 10842 4641
-4096 shadow: scalar 20817 5092 single 21015 5126 many 21015 5126 stream 2629 1862 tile 4391 2894
+4096 shadow: scalar 20817 5092 single 21015 5126 many 21015 5126 stream 2629 1862 tile 6265 3203
 4096 shuffled: scalar 27887 12542 single 27838 12434 many 28106 12434 stream 12550 10422 tile 12550 10422
 50000 triangles, Balanced, leaves of 8: 1904 nodes, 12678 leaves
 4096 primary: scalar 35699 6029 single 35749 6057 many 36094 6059 stream 6737 3898 tile 24023 6512

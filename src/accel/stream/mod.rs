@@ -30,8 +30,9 @@ const WAITING: usize = 512;
 const SHORT: usize = 12;
 /// Rays of a batch below which all of it is left to kernel B: its lists would be short.
 const FEW: usize = 256;
-/// Share of a batch that waits, in per cent, above which the next rays are left to kernel B at once,
-const MOST: usize = 50;
+/// Share of a batch that waits, in per cent, above which the next rays are left to kernel B at once: where nearest hits and where any
+/// are looked for, as that takes less per ray and putting rays in order as much;
+const MOST: [usize; 2] = [40, 20];
 /// and how many.
 const DIRECT: usize = 32 * BATCH;
 /// Size of trees, in bytes, from which on kernel B alone looks for any hit: lists save it less there than they cost.
@@ -112,7 +113,7 @@ impl BatchTracer for Streams {
             if *direct > 0 || n < FEW {
                 *direct = direct.saturating_sub(n);
                 self.many.trace::<W, ANY>(bvh, n, &RaysFrom { rays, first }, |i, hit| found(first + i, hit));
-            } else if self.batch::<W, ANY>(bvh, rays, first, n, &mut found) * 100 > n * MOST {
+            } else if self.batch::<W, ANY>(bvh, rays, first, n, &mut found) * 100 > n * MOST[usize::from(ANY)] {
                 self.direct[usize::from(ANY)] = DIRECT;
             }
             first += n;
