@@ -55,29 +55,29 @@ impl<S: Sampler> Kernel for Generate<'_, S> {
     #[inline(always)]
     fn run<W: Wide>(self) {
         let Self { q, cx, job, next, count, .. } = self;
-        for_groups(count, |made, live| {
-            q.paths.append(live, camera_paths::<S, W>(cx, job, next + made, next + count - 1));
-        });
+        // A loop by hand: as one over groups it takes 1.16 times as long.
+        let mut made = 0;
+        while made < count {
+            let n = MAX_LANES.min(count - made);
+            q.paths.append(Rows::range(0, n).live(), camera_paths::<S, W>(cx, job, next + made, next + count - 1));
+            made += n;
+        }
+        let groups = || (0..count).step_by(MAX_LANES).map(|first| Rows::range(0, MAX_LANES.min(count - first)).live());
         // Each in a pass of its own: scenes without them ask once.
         if let Some(scales) = &mut q.scales {
-            for_groups(count, |_, live| scales.append(live, Scale { scale: W::splat(1.0) }));
+            for live in groups() {
+                scales.append(live, Scale { scale: W::splat(1.0) });
+            }
         }
         if let Some(firsts) = &mut q.firsts {
-            for_groups(count, |_, live| firsts.append(live, First::<W>::none()));
+            for live in groups() {
+                firsts.append(live, First::<W>::none());
+            }
         }
         if let Some(normals) = &mut q.normals {
-            for_groups(count, |_, live| normals.append(live, Normal { normal: Vec3::<W>::splat([0.0; 3]) }));
+            for live in groups() {
+                normals.append(live, Normal { normal: Vec3::<W>::splat([0.0; 3]) });
+            }
         }
-    }
-}
-
-/// Calls `each` with the number of the first item and the mask of lanes of each group of `MAX_LANES` among `count`.
-#[inline(always)]
-fn for_groups(count: usize, mut each: impl FnMut(usize, u32)) {
-    let mut made = 0;
-    while made < count {
-        let n = MAX_LANES.min(count - made);
-        each(made, Rows::range(0, n).live());
-        made += n;
     }
 }
