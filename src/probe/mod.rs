@@ -5,7 +5,7 @@ mod timeline;
 mod times;
 
 pub use counters::{COUNTED, Counted, Counters};
-pub use timeline::{Clock, Event, What, thin};
+pub use timeline::{Clock, Event, What, period, thin};
 pub use times::{DEPTHS, DepthRow, StageRow, StageTimes};
 
 /// A stage of the wave loop, in the order in which they run.

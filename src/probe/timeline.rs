@@ -2,6 +2,7 @@
 
 use super::counters::since;
 use super::{Asked, Counted, Counters, Probe, Seen, Stage, StageTimes};
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 /// What takes time.
@@ -43,12 +44,29 @@ pub struct Event {
     pub length: Duration,
     /// Rows that a stage ran on.
     pub items: u32,
-    /// In which of the worker's spans of work it lies.
-    span: u32,
+    /// Number of the period in which it began.
+    pub period: u32,
 }
 
-/// Events of a worker that are kept at most; beyond, stages are kept in every second span only, then in every fourth.
+/// Microseconds of a period, as a power of 2: stages of a period are kept or left out together, by all workers.
+const PERIOD: u32 = 13;
+/// Events of a worker that are kept at most; beyond, stages are kept in every second period only, then in every fourth.
 const MOST: usize = 1 << 17;
+
+/// When the first period of this process began.
+fn origin() -> Instant {
+    static ORIGIN: OnceLock<Instant> = OnceLock::new();
+    *ORIGIN.get_or_init(Instant::now)
+}
+
+fn period_of(start: Instant) -> u32 {
+    (start.saturating_duration_since(origin()).as_micros() >> PERIOD) as u32
+}
+
+/// When a period begins and ends.
+pub fn period(number: u32) -> [Instant; 2] {
+    [0, 1].map(|next| origin() + Duration::from_micros((u64::from(number) + next) << PERIOD))
+}
 
 /// Sums up the time of each stage that has rows; where a timeline is asked for, notes when everything began and how long it took, too.
 /// A stage begins where the one before ended: what little goes on between, stages without rows too, is the later one's.
@@ -61,10 +79,7 @@ pub struct Clock {
     /// read between.
     last: Option<Instant>,
     events: Vec<Event>,
-    /// Number of the span of work, and how many go on.
-    span: u32,
-    inside: u32,
-    /// Stages are kept where the number is a multiple of 2 to this power.
+    /// Stages are kept in periods whose number is a multiple of 2 to this power.
     sparse: u32,
 }
 
@@ -77,8 +92,15 @@ impl Clock {
         self.last = self.counters.is_none().then_some(end);
         let counted = self.counters.as_mut().zip(before).map(|(counters, before)| since(&before, &counters.read()));
         self.times.note(stage, items, length, counted);
-        if self.timeline && self.span.trailing_zeros() >= self.sparse {
-            self.push(Event { what: What::Stage(stage), start, length, items: items as u32, span: self.span });
+        if self.timeline {
+            self.keep(What::Stage(stage), start, length, items);
+        }
+    }
+    /// Notes an event, if those of its kind and period are kept.
+    fn keep(&mut self, what: What, start: Instant, length: Duration, items: usize) {
+        let event = Event { what, start, length, items: items as u32, period: period_of(start) };
+        if is_kept(&event, self.sparse) {
+            self.push(event);
         }
     }
     fn push(&mut self, event: Event) {
@@ -92,10 +114,10 @@ impl Clock {
 }
 
 fn is_kept(event: &Event, sparse: u32) -> bool {
-    !matches!(event.what, What::Stage(_) | What::Merge) || event.span.trailing_zeros() >= sparse
+    !matches!(event.what, What::Stage(_) | What::Merge) || event.period.trailing_zeros() >= sparse
 }
 
-/// Leaves out stages of more and more spans of work, and then of those spans, until there are `most` events at most.
+/// Leaves out stages of more and more periods, and then all else in them, until there are `most` events at most.
 pub fn thin(events: &mut Vec<Event>, most: usize) {
     for sparse in 1..32 {
         if events.len() <= most {
@@ -107,13 +129,14 @@ pub fn thin(events: &mut Vec<Event>, most: usize) {
         if events.len() <= most {
             return;
         }
-        events.retain(|event| event.span.trailing_zeros() >= sparse);
+        events.retain(|event| event.period.trailing_zeros() >= sparse);
     }
 }
 
 impl Probe for Clock {
     fn new(asked: Asked) -> Self {
         let counters = if asked.counters { Counters::open().ok() } else { None };
+        origin();
         Self { counters, timeline: asked.timeline, ..Self::default() }
     }
     #[inline(always)]
@@ -135,17 +158,9 @@ impl Probe for Clock {
             return result;
         }
         let start = Instant::now();
-        self.inside += 1;
         let result = work(self);
-        self.inside -= 1;
         self.last = None;
-        let event = Event { what, start, length: start.elapsed(), items: 0, span: self.span };
-        if is_kept(&event, self.sparse) {
-            self.push(event);
-        }
-        if self.inside == 0 {
-            self.span += 1;
-        }
+        self.keep(what, start, start.elapsed(), 0);
         result
     }
     #[inline(always)]
@@ -172,8 +187,8 @@ mod tests {
         });
         probe.span(What::Light, |probe| probe.stage(Stage::Scatter, 5, || ()));
         let seen = probe.seen();
-        let names: Vec<_> = seen.events.iter().map(|e| (e.what.name(), e.items, e.span)).collect();
-        let expected = [("shade", 3, 0), ("merge", 0, 0), ("visit", 0, 0), ("scatter", 5, 1), ("light paths", 0, 1)];
+        let names: Vec<_> = seen.events.iter().map(|e| (e.what.name(), e.items)).collect();
+        let expected = [("shade", 3), ("merge", 0), ("visit", 0), ("scatter", 5), ("light paths", 0)];
         assert_eq!(names, expected);
         let [shade, _, visit, scatter, light] = seen.events[..] else { panic!("five events") };
         assert!(light.start <= scatter.start && scatter.start + scatter.length <= light.start + light.length);
@@ -211,24 +226,34 @@ mod tests {
     }
 
     #[test]
-    fn long_renders_keep_all_spans_and_stages_of_some() {
+    fn periods_follow_each_other() {
+        let [start, end] = period(7);
+        assert_eq!([start, end - Duration::from_nanos(1), end].map(period_of), [7, 7, 8]);
+    }
+
+    #[test]
+    fn long_renders_keep_all_spans_and_stages_of_some_periods() {
         let mut probe = Clock::new(Asked { timeline: true, counters: false });
-        let spans = 20_000;
-        for _ in 0..spans {
-            probe.span(What::Visit, |probe| (0..10).for_each(|_| probe.stage(Stage::Shade, 1, || ())));
+        let (periods, visits, stages) = (1_000, 20, 10);
+        for number in 0..periods {
+            let [start, _] = period(number);
+            for _ in 0..visits {
+                (0..stages).for_each(|_| probe.keep(What::Stage(Stage::Shade), start, Duration::ZERO, 1));
+                probe.keep(What::Visit, start, Duration::ZERO, 0);
+            }
         }
-        let Seen { stages: counted, events } = probe.seen();
+        let events = probe.seen().events;
+        let number = |events: &[Event], what: What| events.iter().filter(|e| e.what == what).count();
+        let of_stages = |period: u32| events.iter().filter(|e| e.period == period && e.items > 0).count();
         assert!(events.len() <= MOST, "{}", events.len());
-        let visits = events.iter().filter(|e| e.what == What::Visit).count();
-        assert_eq!(visits, spans);
-        let stages: Vec<_> = events.iter().filter(|e| e.what != What::Visit).collect();
-        assert!(stages.len() >= 10 * spans / 4 && stages.iter().all(|e| e.span % 2 == 0), "{}", stages.len());
-        // What is counted is all of it.
-        assert_eq!(counted.iter().map(|row| row.items).sum::<u64>(), 10 * spans as u64);
+        assert_eq!(number(&events, What::Visit), periods as usize * visits);
+        // Every second one is whole.
+        let kept: Vec<usize> = (0..periods).map(of_stages).collect();
+        assert!(kept.chunks(2).all(|pair| pair == [visits * stages, 0]), "{kept:?}");
 
         let mut fewer = events.clone();
         thin(&mut fewer, 30_000);
-        assert!(fewer.len() <= 30_000 && fewer.iter().filter(|e| e.what == What::Visit).count() == spans);
+        assert!(fewer.len() <= 30_000 && number(&fewer, What::Visit) == periods as usize * visits);
         thin(&mut fewer, 1_000);
         assert!((500..=1_000).contains(&fewer.len()), "{}", fewer.len());
     }

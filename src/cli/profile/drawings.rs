@@ -1,16 +1,17 @@
 //! The drawings of a profile: stages by bounces, occupancy, roofline, timeline.
 
 use super::Profile;
-use std::time::Duration;
+use std::collections::BTreeSet;
+use std::time::{Duration, Instant};
 use wavetrace::chart::bars::{Part, bars};
 use wavetrace::chart::number::figure;
 use wavetrace::chart::roof::{Limits, Load, roof};
 use wavetrace::chart::spans::{Span, spans};
-use wavetrace::probe::{DEPTHS, Event, Stage, StageRow, What};
+use wavetrace::probe::{DEPTHS, Event, Stage, StageRow, What, period};
 
-/// Milliseconds of the timeline.
-const WINDOW: f64 = 12.0;
-/// Spans that are drawn of a worker at most.
+/// Milliseconds of a render that is drawn whole: those of a period.
+const PERIOD: f64 = 8.0;
+/// Spans that are drawn of a worker at most; where there are more in a period, the drawing ends sooner.
 const MOST: usize = 1500;
 
 /// What is told apart by colour: stages, and what is none.
@@ -88,28 +89,53 @@ impl Profile<'_> {
         roof(&limits, &ran(&self.usual.stages).filter_map(load).collect::<Vec<_>>())
     }
 
-    /// What the workers did in some milliseconds from the middle of the render on.
+    /// What the workers did in a period about the middle of the render, of which all stages were kept; or in all of a render that is
+    /// shorter.
     pub fn timeline(&self) -> String {
-        let total = self.usual.time.as_secs_f64() * 1e3;
-        let from = (total / 2.0 - WINDOW / 2.0).max(0.0);
-        let to = (from + WINDOW).min(total.max(1e-3));
         let millis = |time: Duration| time.as_secs_f64() * 1e3;
+        let since = |at: Instant| millis(at.saturating_duration_since(self.start));
+        let total = millis(self.usual.time).max(1e-3);
+        let [from, to] = match whole_period(&self.usual.timeline, self.start + self.usual.time / 2) {
+            Some(number) if total > PERIOD => period(number).map(|at| since(at).min(total)),
+            _ => [0.0, total],
+        };
         let span = |event: &Event| {
             let series = match event.what {
                 What::Stage(stage) => stage as usize,
                 What::Merge => Stage::ALL.len(),
                 What::Visit | What::Light | What::Survey => return None,
             };
-            let start = millis(event.start.saturating_duration_since(self.start));
+            let start = since(event.start);
             let end = start + millis(event.length);
             let rows = if event.items > 0 { format!("{} rows\n", event.items) } else { String::new() };
             let tip = format!("{}\n{rows}{} ms from {} ms on", event.what.name(), figure(end - start), figure(start));
             (end > from && start < to).then_some(Span { series, from: start, to: end, tip })
         };
         let row = |(k, events): (usize, &Vec<Event>)| {
-            (format!("worker {}", k + 1), events.iter().filter_map(span).take(MOST).collect())
+            (format!("worker {}", k + 1), events.iter().filter_map(span).collect::<Vec<_>>())
         };
-        let rows: Vec<_> = self.usual.timeline.iter().enumerate().map(row).collect();
+        let mut rows: Vec<_> = self.usual.timeline.iter().enumerate().map(row).collect();
+        let to = rows.iter().filter_map(|(_, spans)| spans.get(MOST)).map(|span| span.from).fold(to, f64::min);
+        rows.iter_mut().for_each(|(_, spans)| spans.retain(|span| span.from < to));
         spans("What the workers did", from, to, &rows)
     }
+}
+
+/// Of the periods in which each worker that has any stages has some, or else any worker, the one nearest to `middle`. What is left out of
+/// a long timeline is left out by whole periods, so that those with stages have all of them.
+fn whole_period(timeline: &[Vec<Event>], middle: Instant) -> Option<u32> {
+    let of = |events: &Vec<Event>| -> BTreeSet<u32> {
+        events.iter().filter(|event| matches!(event.what, What::Stage(_))).map(|event| event.period).collect()
+    };
+    let workers: Vec<BTreeSet<u32>> = timeline.iter().map(of).filter(|periods| !periods.is_empty()).collect();
+    let all: BTreeSet<u32> = workers.iter().flatten().copied().collect();
+    let common: BTreeSet<u32> =
+        all.iter().copied().filter(|number| workers.iter().all(|periods| periods.contains(number))).collect();
+    let far = |number: u32| {
+        let [start, end] = period(number);
+        let at = start + (end - start) / 2;
+        at.saturating_duration_since(middle).max(middle.saturating_duration_since(at))
+    };
+    let near = |numbers: BTreeSet<u32>| numbers.into_iter().min_by_key(|&number| far(number));
+    near(common).or_else(|| near(all))
 }

@@ -56,7 +56,8 @@ impl Profile<'_> {
             ),
             section(
                 "Timeline",
-                "Some milliseconds from the middle of the render. <code>--trace</code> writes all of it for Perfetto.",
+                "Some milliseconds about the middle of the render. <code>--trace</code> writes a timeline of all of it for Perfetto; of a \
+                 long render it has the stages of every second 8 milliseconds, of every fourth, and so on.",
                 &format!(r#"<div class="panels">{}</div>"#, self.timeline()),
             ),
             self.counters(),
