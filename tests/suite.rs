@@ -135,19 +135,49 @@ fn figures_of_another_machine_or_build_are_refused() {
     let mut other = place.json("now.json");
     other["machine"]["cpu"] = json!("another");
     other["build"]["compiler"] = json!("rustc 1.0.0");
+    other["build"]["target"] = json!("a machine of next year");
     other["build"]["commit"] = json!("0123456789ab");
     fs::write(place.path("other.json"), other.to_string()).unwrap();
     let (out, err) = place.expect(1, &format!("{bench} --against other"));
     assert_eq!(out, "");
-    for part in
-        ["error: other.json: machine.cpu: found \"another\"", "build.compiler: found \"rustc 1.0.0\"", "--force"]
-    {
+    for part in [
+        "error: other.json: machine.cpu: found \"another\"",
+        "build.compiler: found \"rustc 1.0.0\"",
+        "build.target: found \"a machine",
+        "--force",
+    ] {
         assert!(err.contains(part), "{part} in {err}");
     }
     // What is compared is allowed to differ.
     assert!(!err.contains("commit"), "{err}");
     let (out, err) = place.expect(0, &format!("{bench} --against other --force --tolerance 99"));
     assert!(out.contains("1 figure:") && err.contains("warning: other.json: machine.cpu"), "{out}{err}");
+}
+
+/// What cannot be compared is told: nothing in common, figures without a counterpart, runs that failed, an unknown machine.
+#[test]
+fn what_is_not_compared_is_told() {
+    let place = Place::new();
+    place.expect(0, "bench --only load,start --up-to 1000 --repeats 1 --save now");
+    let (_, err) = place.expect(1, "bench --only build --up-to 1000 --repeats 1 --against now");
+    assert!(err.contains("now.json: found no figure of this run"), "{err}");
+    let mut failed = place.json("now.json");
+    for figure in failed["figures"].as_array_mut().unwrap() {
+        figure["repeats"] = json!([null]);
+    }
+    fs::write(place.path("failed.json"), failed.to_string()).unwrap();
+    let (out, _) = place.expect(0, "bench --only start --up-to 1000 --repeats 1 --against failed --json");
+    let document: Value = serde_json::from_str(&out).unwrap();
+    let compared = &document["compared"];
+    assert_eq!((&compared["figures"][0]["verdict"], &compared["machine_speed"]), (&json!("unclear"), &Value::Null));
+    let find = |name: &str| document["figures"].as_array().unwrap().iter().find(|f| f["name"] == name).unwrap();
+    // Measured though it was not asked for; other processes are started, which keep this one's CPUs idle.
+    assert!(find("machine/memory")["median"].as_f64().unwrap() > 0.0);
+    assert!(find("start/process")["busy_cpus"].is_null());
+    let (out, _) = place.expect(0, "bench --only start --up-to 1000 --repeats 1 --against failed");
+    for part in ["1 figure: 0 slower", "0 of this run, 1 of those before", "has changed is not known"] {
+        assert!(out.contains(part), "{part} in {out}");
+    }
 }
 
 #[test]
@@ -315,6 +345,8 @@ fn a_sweep_has_all_values() {
         ("--vary wave=64 --vary wave=128 -o no", "wave"),
         ("--vary wave=64", "--output"),
         ("--vary wave=64 --scene scenes/small.json -o no", "each scene once"),
+        ("--vary wave=64 --scene other/small.json -o no", "file name of its own"),
+        ("--vary wave=64,128 --set wave=256 -o no", "each knob once"),
     ] {
         let (_, err) = place.expect(2, &format!("{sweep} {args}"));
         assert!(err.contains(part) && !place.path("no").exists(), "{args}: {err}");

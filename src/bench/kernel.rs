@@ -88,7 +88,7 @@ impl Tracer<'_> {
     pub fn trace(&self, rays: &[RayRecord], hits: &mut [HitRecord], query: Query, passes: usize) {
         let cpus = cpu::allowed();
         let threads = self.threads.max(1);
-        let run = rays.len().div_ceil(threads * RUNS).next_multiple_of(MAX_LANES).clamp(SHORTEST, LONGEST);
+        let run = self.run(rays.len());
         let mut shares: Vec<Vec<Run>> = (0..threads).map(|_| Vec::new()).collect();
         for (number, part) in rays.chunks(run).zip(hits.chunks_mut(run)).enumerate() {
             shares[number % threads].push(part);
@@ -104,6 +104,21 @@ impl Tracer<'_> {
                 });
             }
         });
+    }
+
+    /// Rays of a run, of a set of so many.
+    fn run(&self, rays: usize) -> usize {
+        rays.div_ceil(self.threads.max(1) * RUNS).next_multiple_of(MAX_LANES).clamp(SHORTEST, LONGEST)
+    }
+
+    /// CPUs that [`trace`](Self::trace) keeps busy with a set of so many rays on a quiet machine: fewer than there are threads where
+    /// these get unlike shares of a small set, or where there are fewer CPUs.
+    pub fn concurrency(&self, rays: usize) -> f64 {
+        let (threads, run) = (self.threads.max(1), self.run(rays));
+        // The first thread gets the most runs, or as many as the others.
+        let first = (0..rays).step_by(run * threads).map(|start| run.min(rays - start)).sum::<usize>();
+        let cpus = thread::available_parallelism().map_or(threads, usize::from);
+        (rays as f64 / first.max(1) as f64).clamp(1.0, cpus as f64)
     }
 
     /// The hits of rays.

@@ -61,6 +61,19 @@ pub struct Case<'a> {
     pub figures: Vec<(String, Unit)>,
     /// Does the work and returns the values.
     pub run: Box<dyn FnMut() -> Vec<f64> + 'a>,
+    /// Whether other processes do the work, so that this one does not know how busy CPUs are with it.
+    pub elsewhere: bool,
+}
+
+impl<'a> Case<'a> {
+    /// Work of this process.
+    pub fn new(figures: Vec<(String, Unit)>, run: impl FnMut() -> Vec<f64> + 'a) -> Self {
+        Self { figures, run: Box::new(run), elsewhere: false }
+    }
+    /// Work of other processes.
+    pub fn elsewhere(self) -> Self {
+        Self { elsewhere: true, ..self }
+    }
 }
 
 /// What was measured, repeat by repeat.
@@ -163,7 +176,8 @@ pub fn measure(mut cases: Vec<Case<'_>>, repeats: usize, mut seen: impl FnMut(f6
     }
     let of = |(case, log): (Case<'_>, Log)| {
         let names = case.figures.into_iter().enumerate();
-        names.map(move |(k, (name, unit))| Figure { name, unit, values: log.column(k), busy: log.busy() })
+        let busy = log.busy().filter(|_| !case.elsewhere);
+        names.map(move |(k, (name, unit))| Figure { name, unit, values: log.column(k), busy })
     };
     cases.into_iter().zip(logs).flat_map(of).collect()
 }
@@ -232,10 +246,7 @@ mod tests {
                 runs += 1.0;
                 vec![id, runs]
             };
-            Case {
-                figures: vec![(format!("{id}"), Unit::Mrays), (format!("{id} runs"), Unit::Mrays)],
-                run: Box::new(run),
-            }
+            Case::new(vec![(format!("{id}"), Unit::Mrays), (format!("{id} runs"), Unit::Mrays)], run)
         };
         let figures = measure(vec![case(1.0), case(2.0)], 2, |_| true);
         assert_eq!(*order.borrow(), [1.0, 2.0, 1.0, 2.0, 1.0, 2.0]);
@@ -249,6 +260,14 @@ mod tests {
             left > 0
         });
         assert_eq!(cut.iter().map(|f| f.values.len()).collect::<Vec<_>>(), [1; 4]);
+    }
+
+    #[test]
+    fn work_of_other_processes_keeps_no_cpu_of_this_one_busy() {
+        let case = || Case::new(vec![(String::new(), Unit::Mrays)], || vec![1.0]);
+        let figures = measure(vec![case(), case().elsewhere()], 1, |_| true);
+        let [own, other] = figures.as_slice() else { panic!("two figures") };
+        assert_eq!((own.busy.is_some(), other.busy), (cfg!(target_os = "linux"), None));
     }
 
     #[test]

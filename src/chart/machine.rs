@@ -40,6 +40,8 @@ pub struct Build {
     pub profile: &'static str,
     /// The compiler and its version.
     pub compiler: &'static str,
+    /// The processor that it was compiled for: a level of x86-64 such as `x86-64-v3`, or another architecture.
+    pub target: &'static str,
     /// The instruction set that kernels use on this machine.
     pub simd: &'static str,
 }
@@ -52,6 +54,7 @@ impl Build {
             commit: option_env!("WAVETRACE_COMMIT").filter(|commit| !commit.is_empty()),
             profile: env!("WAVETRACE_PROFILE"),
             compiler: env!("WAVETRACE_COMPILER"),
+            target: env!("WAVETRACE_TARGET"),
             simd: lanes::simd(),
         }
     }
@@ -69,5 +72,6 @@ mod tests {
         assert_ne!(machine.cpu, "unknown");
         let build = Build::this();
         assert!(build.compiler.starts_with("rustc ") && ["debug", "release"].contains(&build.profile), "{build:?}");
+        assert!(!build.target.is_empty() && (cfg!(not(target_arch = "x86_64")) || build.target.starts_with("x86-64")));
     }
 }

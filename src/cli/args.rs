@@ -32,7 +32,7 @@ Examples:
   wavetrace ./check                         a scene file that is called like a verb
 
 Exit codes: 0 done; 1 the scene or a file is at fault; 2 the command line is; 3 `bench --against` found something
-slower; 130 interrupted (what was rendered so far is written).";
+slower, `bench tax` something above its bar; 130 interrupted (what was rendered so far is written).";
 
 /// Heading of the options that change the speed, not the image.
 const SPEED: &str = "Speed alone: the image stays the same";

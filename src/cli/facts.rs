@@ -10,7 +10,7 @@ pub fn machine(build: &Build, machine: &Machine) -> Vec<(String, String)> {
     let commit = build.commit.map_or_else(String::new, |commit| format!(", commit {commit}"));
     [
         ("program", format!("wavetrace {}{commit}", build.version)),
-        ("build", format!("{}, {}, SIMD: {}", build.profile, build.compiler, build.simd)),
+        ("build", format!("{}, {}, for {}, SIMD: {}", build.profile, build.compiler, build.target, build.simd)),
         ("processor", format!("{}, {} available", machine.cpu, counted(machine.cores as u64, "core"))),
         ("system", machine.system.clone()),
     ]

@@ -14,5 +14,5 @@ pub(super) fn case(room: &Room, options: BuildOptions) -> Case<'_> {
         });
         vec![room.corners.len() as f64 / seconds / 1e6]
     };
-    Case { figures: vec![(format!("build/{}", short(room.size)), Unit::Mtriangles)], run: Box::new(run) }
+    Case::new(vec![(format!("build/{}", short(room.size)), Unit::Mtriangles)], run)
 }

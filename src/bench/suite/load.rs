@@ -42,5 +42,5 @@ pub(super) fn case(file: &File) -> Case<'_> {
         });
         vec![file.bytes as f64 / seconds / 1e6]
     };
-    Case { figures: vec![(format!("load/{}", short(file.size)), Unit::Megabytes)], run: Box::new(run) }
+    Case::new(vec![(format!("load/{}", short(file.size)), Unit::Megabytes)], run)
 }

@@ -113,8 +113,5 @@ pub(super) fn cases() -> Vec<Case<'static>> {
         vec![MEMORY as f64 / seconds / 1e6]
     };
     let [first, second] = YARDSTICKS.map(str::to_owned);
-    vec![
-        Case { figures: vec![(first, Unit::Gflops)], run: Box::new(arithmetic) },
-        Case { figures: vec![(second, Unit::Megabytes)], run: Box::new(memory) },
-    ]
+    vec![Case::new(vec![(first, Unit::Gflops)], arithmetic), Case::new(vec![(second, Unit::Megabytes)], memory)]
 }

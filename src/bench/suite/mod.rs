@@ -99,10 +99,16 @@ impl Suite {
     ///
     /// # Errors
     /// What reading a scene says, or writing temporary files; too many threads.
-    pub fn run(&self, seen: impl FnMut(f64) -> bool) -> Result<Vec<Figure>> {
-        let rooms = self.rooms()?;
-        let sets = if self.has(Part::Rays) { rays::sets(&rooms, self.threads)? } else { Vec::new() };
-        let rendered = if self.has(Part::Scenes) { scenes::load(&self.scenes, self)? } else { Vec::new() };
+    pub fn run(&self, mut seen: impl FnMut(f64) -> bool) -> Result<Vec<Figure>> {
+        // What goes before takes a while, too.
+        let mut goes_on = || seen(0.0);
+        let rooms = self.rooms(&mut goes_on)?;
+        let sets = if self.has(Part::Rays) { rays::sets(&rooms, self.threads, &mut goes_on)? } else { Vec::new() };
+        let rendered =
+            if self.has(Part::Scenes) { scenes::load(&self.scenes, self, &mut goes_on)? } else { Vec::new() };
+        if !goes_on() {
+            return Ok(Vec::new());
+        }
         let file = if self.has(Part::Load) { load::file(&rooms)? } else { None };
         let folder = if self.has(Part::Start) { Some(start::folder()?) } else { None };
         let mut cases: Vec<Case<'_>> = Vec::new();
@@ -119,7 +125,8 @@ impl Suite {
         Ok(measure(cases, self.repeats, seen))
     }
 
-    fn rooms(&self) -> Result<Vec<Room>> {
+    /// The rooms, as long as it goes on.
+    fn rooms(&self, goes_on: &mut impl FnMut() -> bool) -> Result<Vec<Room>> {
         if ![Part::Rays, Part::Build, Part::Load].into_iter().any(|part| self.has(part)) {
             return Ok(Vec::new());
         }
@@ -128,7 +135,7 @@ impl Suite {
             let corners = mesh::corners(&mesh);
             Ok(Room { size, bvh: Bvh::build_with(&corners, &self.build_options())?, mesh, corners })
         };
-        SIZES.into_iter().filter(|&size| size <= self.up_to).map(make).collect()
+        SIZES.into_iter().filter(|&size| size <= self.up_to).take_while(|_| goes_on()).map(make).collect()
     }
 }
 

@@ -20,10 +20,10 @@ pub(super) struct Set<'a> {
     hits: RefCell<Vec<HitRecord>>,
 }
 
-/// The sets of all meshes; those without rays are left out.
-pub(super) fn sets(rooms: &[Room], threads: usize) -> Result<Vec<Set<'_>>> {
+/// The sets of all meshes, as long as it goes on; those without rays are left out.
+pub(super) fn sets<'a>(rooms: &'a [Room], threads: usize, goes_on: &mut impl FnMut() -> bool) -> Result<Vec<Set<'a>>> {
     let mut all = Vec::new();
-    for room in rooms {
+    for room in rooms.iter().take_while(|_| goes_on()) {
         let tracer = Tracer { bvh: &room.bvh, kernel: Kernel::Auto, threads };
         let options = Options { res: RES, ..Options::default() };
         let (sets, _) = make(&room.corners, &tracer, &options, &KINDS)?;
@@ -57,5 +57,5 @@ pub fn trace<'a>(name: String, tracer: Tracer<'a>, set: &'a RaySet, hits: &'a Re
         let seconds = pace.seconds(|passes| tracer.trace(&set.rays, &mut hits, set.kind.query(), passes));
         vec![set.rays.len() as f64 / seconds / 1e6]
     };
-    Case { figures: vec![(name, Unit::Mrays)], run: Box::new(run) }
+    Case::new(vec![(name, Unit::Mrays)], run)
 }

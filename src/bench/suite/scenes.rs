@@ -27,8 +27,8 @@ fn settings(threads: usize, time_stages: bool) -> Settings {
     Settings { spp: SPP, threads, time_stages, ..Settings::default() }
 }
 
-/// Reads the scenes and builds their trees.
-pub(super) fn load(files: &[PathBuf], suite: &Suite) -> Result<Vec<Scene>> {
+/// Reads the scenes and builds their trees, as long as it goes on.
+pub(super) fn load(files: &[PathBuf], suite: &Suite, goes_on: &mut impl FnMut() -> bool) -> Result<Vec<Scene>> {
     let one = |file: &PathBuf| {
         let mut loaded = scene::load(file)?;
         loaded.resize(SIDE, SIDE)?;
@@ -39,7 +39,7 @@ pub(super) fn load(files: &[PathBuf], suite: &Suite) -> Result<Vec<Scene>> {
         let name = file.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         Ok(Scene { name, renderer, stages })
     };
-    files.iter().map(one).collect()
+    files.iter().take_while(|_| goes_on()).map(one).collect()
 }
 
 /// One case for each scene: rays and samples per second, nanoseconds per item of each stage, and what its clock costs.
@@ -75,7 +75,7 @@ fn case(scene: &Scene, threads: usize) -> Case<'_> {
         values.push(100.0 * (with_clock / seconds - 1.0));
         values
     };
-    Case { figures, run: Box::new(run) }
+    Case::new(figures, run)
 }
 
 /// Time of a stage for each of its rows.

@@ -74,6 +74,16 @@ fn range(from: &str, to: &str) -> Result<Vec<String>, String> {
     Ok(values.iter().map(u64::to_string).collect())
 }
 
+/// A knob that is named more than once.
+pub fn twice<'a>(knobs: impl IntoIterator<Item = &'a Knob>) -> Option<&'a str> {
+    let mut names: Vec<&str> = Vec::new();
+    knobs.into_iter().find_map(|knob| {
+        let seen = names.contains(&knob.name.as_str());
+        names.push(&knob.name);
+        seen.then_some(knob.name.as_str())
+    })
+}
+
 /// What a render of `scene` is told by knobs and values.
 ///
 /// # Errors
@@ -122,6 +132,16 @@ mod tests {
             let error = of(text).unwrap_err();
             assert!(error.contains(part), "{text}: {error}");
         }
+    }
+
+    #[test]
+    fn knobs_are_named_once() {
+        let of = |texts: &[&str]| {
+            let knobs: Vec<Knob> = texts.iter().map(|text| knob(text).unwrap()).collect();
+            twice(&knobs).map(str::to_owned)
+        };
+        assert_eq!(of(&["wave=64", "leaf=1", "job=64"]), None);
+        assert_eq!(of(&["wave=64", "leaf=1", "wave=128"]), Some("wave".to_owned()));
     }
 
     #[test]

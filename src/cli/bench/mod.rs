@@ -1,5 +1,6 @@
 //! `wavetrace bench`: how fast the program is. One file for each thing that can be measured.
 
+mod against;
 mod args;
 mod knob;
 mod rays;
@@ -11,7 +12,7 @@ mod table;
 mod tax;
 
 pub use args::{BenchArgs, setting};
-pub use knob::{Knob, settings};
+pub use knob::{Knob, settings, twice};
 
 use super::Exit;
 use args::Bench;

@@ -15,7 +15,7 @@ use wavetrace::error::{Error, Result as LibraryResult};
 use wavetrace::lanes;
 use wavetrace::output;
 
-/// Share of the threads by which the busy CPUs may differ from them on a quiet machine.
+/// Share of the CPUs that a set can keep busy by which those that were may differ on a quiet machine.
 const DISTURBED: f64 = 0.05;
 
 /// What was measured on a set.
@@ -24,6 +24,8 @@ struct Timing {
     rays: usize,
     /// How many of them hit something.
     hits: usize,
+    /// CPUs that can be busy with it.
+    cpus: f64,
     figure: Figure,
 }
 
@@ -88,6 +90,7 @@ fn measure<'a>(args: &'a RaysArgs, console: &Console) -> LibraryResult<Report<'a
         kind: set.kind,
         rays: set.rays.len(),
         hits: hits.iter().filter(|hit| hit.is_some()).count(),
+        cpus: tracer.concurrency(set.rays.len()),
         figure,
     };
     let timings = sets.iter().zip(hits).zip(figures).map(timing).collect();
@@ -192,12 +195,12 @@ impl Report<'_> {
 
     /// Figures that other programs have disturbed.
     fn warn(&self, console: &Console) {
-        let threads = f64::from(self.args.threads);
         for t in &self.timings {
-            if let Some(busy) = t.figure.busy.filter(|busy| (busy - threads).abs() > DISTURBED * threads) {
+            if let Some(busy) = t.figure.busy.filter(|busy| (busy - t.cpus).abs() > DISTURBED * t.cpus) {
                 console.warn(format_args!(
-                    "{}: {busy:.2} CPUs were busy with {}: other work disturbs the timing",
+                    "{}: {busy:.2} CPUs were busy, of {:.2} that {} can keep busy with it: other work disturbs the timing",
                     t.kind.name(),
+                    t.cpus,
                     counted(u64::from(self.args.threads), "thread")
                 ));
             }

@@ -12,8 +12,15 @@ use wavetrace::input;
 const FORMAT: u64 = 1;
 /// What two documents must have in common to be compared: where this differs, a ratio tells nothing of the program.
 /// Version and commit are what is compared.
-const COMMON: [&str; 6] =
-    ["/machine/cpu", "/machine/cores", "/build/compiler", "/build/profile", "/build/simd", "/settings/threads"];
+const COMMON: [&str; 7] = [
+    "/machine/cpu",
+    "/machine/cores",
+    "/build/compiler",
+    "/build/profile",
+    "/build/target",
+    "/build/simd",
+    "/settings/threads",
+];
 
 /// `NAME.json`; a name that ends so already is taken as it is.
 pub fn path(name: &Path) -> PathBuf {
@@ -47,6 +54,7 @@ pub fn document(args: &SuiteArgs, threads: usize, figures: &[Figure]) -> Value {
             "commit": build.commit,
             "profile": build.profile,
             "compiler": build.compiler,
+            "target": build.target,
             "simd": build.simd,
         },
         "machine": {"cpu": machine.cpu, "cores": machine.cores, "system": machine.system},
@@ -112,7 +120,9 @@ impl Saved {
 
 fn figure(value: &Value) -> Option<Figure> {
     let value: &Map<_, _> = value.as_object()?;
-    let values = value.get("repeats")?.as_array()?.iter().map(Value::as_f64).collect::<Option<_>>()?;
+    // A run that failed has no number.
+    let number = |value: &Value| value.as_f64().or(value.is_null().then_some(f64::NAN));
+    let values = value.get("repeats")?.as_array()?.iter().map(number).collect::<Option<_>>()?;
     Some(Figure {
         name: value.get("name")?.as_str()?.to_owned(),
         unit: Unit::from_name(value.get("unit")?.as_str()?)?,

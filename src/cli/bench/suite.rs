@@ -1,5 +1,6 @@
 //! The standard suite: measures, keeps, compares.
 
+use super::against::Against;
 use super::args::SuiteArgs;
 use super::saved::{self, Saved};
 use super::table;
@@ -7,11 +8,9 @@ use crate::cli::Exit;
 use crate::cli::interrupt::Interrupt;
 use crate::cli::messages::Console;
 use crate::cli::progress::Meter;
-use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::{env, fs, thread};
 use wavetrace::bench::suite::{Part, Suite};
-use wavetrace::bench::verdict::{self, Compared, Verdict};
 use wavetrace::bench::{Figure, Unit};
 use wavetrace::chart::Build;
 use wavetrace::error::{Error, Result as LibraryResult};
@@ -57,26 +56,37 @@ pub fn run(args: &SuiteArgs) -> Result<Exit, Exit> {
         output::write_text(path, &format!("{document:#}\n")).map_err(fail)?;
         console.line(format_args!("wrote {}", path.display()));
     }
-    let compared = before.as_ref().map(|before| compare(args, before, &figures));
+    let compared = before.map(|before| (Against::new(&before, &figures, args.tolerance / 100.0), before));
     if args.json {
-        if let Some((all, drift)) = &compared {
-            document["compared"] = compared_json(all, *drift);
+        if let Some((against, _)) = &compared {
+            document["compared"] = against.json();
         }
         console.answer(format_args!("{document:#}"))?;
     } else {
         console.answer(table::report(&figures))?;
-        if let (Some((all, drift)), Some(before)) = (&compared, &before) {
+        if let Some((against, before)) = &compared {
             console.answer(format_args!("\nagainst {}, version {}", before.path.display(), before.build()))?;
-            console.answer(table::comparison(all, *drift, args.tolerance))?;
+            console.answer(against.text(args.tolerance))?;
         }
     }
     warn(&console, threads, &figures);
-    let slower = compared.is_some_and(|(all, _)| all.iter().any(|c| c.verdict == Verdict::Slower));
-    Ok(if slower { Exit::Slower } else { Exit::Done })
+    match compared {
+        Some((against, before)) if against.all.is_empty() => {
+            let path = before.path.display();
+            console.error(format_args!("{path}: found no figure of this run, expected some to compare with"));
+            Err(Exit::Fault)
+        }
+        Some((against, _)) if against.is_slower() => Ok(Exit::Slower),
+        _ => Ok(Exit::Done),
+    }
 }
 
 fn measure(args: &SuiteArgs, threads: usize, console: &Console, control: &Control) -> LibraryResult<Vec<Figure>> {
-    let parts = if args.only.is_empty() { Part::ALL.to_vec() } else { args.only.clone() };
+    let mut parts = if args.only.is_empty() { Part::ALL.to_vec() } else { args.only.clone() };
+    // Without them a machine that is slower now would be taken for a program that is.
+    if args.against.is_some() && !parts.contains(&Part::Machine) {
+        parts.push(Part::Machine);
+    }
     let scenes = if parts.contains(&Part::Scenes) { scenes(&args.scenes)? } else { Vec::new() };
     let own = |source| Error::Io { file: PathBuf::from("wavetrace"), action: "find this program", source };
     let suite = Suite {
@@ -109,36 +119,19 @@ pub fn scenes(folder: &Path) -> LibraryResult<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// Each figure that both have, and how the machine has changed.
-fn compare(args: &SuiteArgs, before: &Saved, figures: &[Figure]) -> (Vec<Compared>, (f64, f64)) {
-    let drift = verdict::drift(&before.figures, figures);
-    let yardstick = |f: &&Figure| f.name.starts_with(Part::Machine.name());
-    let speeds = figures.iter().filter(|f| f.unit != Unit::Percent && !yardstick(f));
-    let pairs = speeds.filter_map(|f| Some((before.figures.iter().find(|b| b.name == f.name && b.unit == f.unit)?, f)));
-    (pairs.map(|(before, after)| verdict::compare(before, after, drift, args.tolerance / 100.0)).collect(), drift)
-}
-
-fn compared_json(all: &[Compared], drift: (f64, f64)) -> Value {
-    let one = |c: &Compared| {
-        json!({
-            "name": c.name,
-            "speed": c.ratio,
-            "interval": [c.interval.0, c.interval.1],
-            "verdict": c.verdict.name(),
-        })
-    };
-    json!({"machine_speed": [drift.0, drift.1], "figures": all.iter().map(one).collect::<Vec<_>>()})
-}
-
-/// Figures that other programs have disturbed. Of those that use all threads, whole renders tell best.
+/// Figures that other programs have disturbed, and those of runs that failed. Of figures that use all threads, whole renders tell best.
 fn warn(console: &Console, threads: usize, figures: &[Figure]) {
+    let threads = threads.min(thread::available_parallelism().map_or(threads, usize::from));
     let renders = figures.iter().filter(|f| f.unit == Unit::Mrays && f.name.starts_with("scene/"));
     let busy: Vec<f64> = renders.filter_map(|f| f.busy).collect();
     if let Some(least) =
         busy.iter().copied().reduce(f64::min).filter(|least| *least < (1.0 - DISTURBED) * threads as f64)
     {
         console.warn(format_args!(
-            "renders kept only {least:.2} CPUs busy with {threads} threads at the worst: other work disturbs the timing"
+            "renders kept only {least:.2} of {threads} CPUs busy at the worst: other work disturbs the timing"
         ));
+    }
+    for figure in figures.iter().filter(|figure| !figure.values.iter().all(|x| x.is_finite())) {
+        console.warn(format_args!("{}: not all runs ended well", figure.name));
     }
 }

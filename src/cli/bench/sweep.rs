@@ -1,11 +1,12 @@
 //! `wavetrace bench sweep`: throughput against one knob or two.
 
 use super::args::SweepArgs;
-use super::knob::{Knob, settings};
+use super::knob::{Knob, settings, twice};
 use super::sheets::{Sweep, Trial};
 use crate::cli::Exit;
 use crate::cli::messages::Console;
 use crate::cli::progress::Meter;
+use std::cell::RefCell;
 use std::fs;
 use std::path::{Path, PathBuf};
 use wavetrace::accel::BuildOptions;
@@ -14,6 +15,7 @@ use wavetrace::error::{Error, Result as LibraryResult};
 use wavetrace::output;
 use wavetrace::render::{Control, Renderer};
 use wavetrace::scene;
+use wavetrace::wave::Counts;
 
 /// Renders all that was asked for, and draws it.
 pub fn run(args: &SweepArgs) -> Result<Exit, Exit> {
@@ -23,10 +25,14 @@ pub fn run(args: &SweepArgs) -> Result<Exit, Exit> {
         let (found, expected) = (args.vary.len().to_string(), "one knob or two".to_owned());
         return Err(fail(Error::Setting { setting: "--vary", found, expected }));
     }
-    if let Some(twice) =
-        args.scene.iter().enumerate().find_map(|(i, path)| args.scene[..i].contains(path).then_some(path))
-    {
-        let (found, expected) = (twice.display().to_string(), "each scene once".to_owned());
+    if let Some(name) = twice(args.vary.iter().chain(&args.set)) {
+        let (found, expected) = (format!("{name} twice"), "each knob once in --vary and --set".to_owned());
+        return Err(fail(Error::Setting { setting: "--set", found, expected }));
+    }
+    let names: Vec<_> = args.scene.iter().map(|path| path.file_stem()).collect();
+    if let Some(again) = (0..names.len()).find(|&i| names[..i].contains(&names[i])) {
+        let found = format!("{} twice", args.scene[again].display());
+        let expected = "each scene once, with a file name of its own, by which drawings call it".to_owned();
         return Err(fail(Error::Setting { setting: "--scene", found, expected }));
     }
     let trials = trials(args).map_err(fail)?;
@@ -34,12 +40,16 @@ pub fn run(args: &SweepArgs) -> Result<Exit, Exit> {
     let renderers = renderers(args, &trials).map_err(fail)?;
 
     let meter = Meter::new(args.quiet);
-    let cases = trials.iter().map(|trial| case(trial, &renderers)).collect();
+    let fault = RefCell::new(None);
+    let cases = trials.iter().map(|trial| case(trial, &renderers, &fault)).collect();
     let figures = measure(cases, args.repeats as usize, |share| {
         meter.show(share);
-        true
+        fault.borrow().is_none()
     });
     drop(meter);
+    if let Some(error) = fault.into_inner() {
+        return Err(fail(error));
+    }
 
     let sweep = Sweep { args, trials: &trials, figures: &figures };
     let texts = [sweep.csv(), sweep.svg(), sweep.page()];
@@ -99,21 +109,23 @@ fn renderers(args: &SweepArgs, trials: &[Trial]) -> LibraryResult<Vec<Built>> {
     Ok(built)
 }
 
-/// Rays and samples per second, and seconds, of one trial.
-fn case<'a>(trial: &Trial, renderers: &'a [Built]) -> Case<'a> {
+/// Rays and samples per second, and seconds, of one trial; or else why there are none.
+fn case<'a>(trial: &Trial, renderers: &'a [Built], fault: &'a RefCell<Option<Error>>) -> Case<'a> {
     let options = trial.render.build_options();
     let found = renderers.iter().find(|(scene, other, _)| (scene, other) == (&trial.scene, &options));
     let settings = trial.render.settings();
     let mut pace = Pace::default();
     let run = move || {
         let Some((_, _, renderer)) = found else { return Vec::new() };
-        let mut rendered = None;
+        let mut counts = Counts::default();
         let seconds = pace.seconds(|passes| {
-            (0..passes).for_each(|_| rendered = renderer.render(&settings, &Control::default()).ok());
+            (0..passes).for_each(|_| match renderer.render(&settings, &Control::default()) {
+                Ok(rendered) => counts = rendered.counts,
+                Err(error) => *fault.borrow_mut() = Some(error),
+            });
         });
-        let counts = rendered.map(|rendered| rendered.counts).unwrap_or_default();
         vec![counts.rays() as f64 / seconds / 1e6, counts.camera as f64 / seconds / 1e6, seconds * 1e3]
     };
     let names = [("rays", Unit::Mrays), ("samples", Unit::Msamples), ("time", Unit::Milliseconds)];
-    Case { figures: names.map(|(name, unit)| (name.to_owned(), unit)).to_vec(), run: Box::new(run) }
+    Case::new(names.map(|(name, unit)| (name.to_owned(), unit)).to_vec(), run)
 }

@@ -1,10 +1,9 @@
-//! Figures of the suite for people: a table for each part, and one of a comparison.
+//! Figures of the suite for people: a table for each part.
 
-use crate::cli::units::{counted, short};
+use crate::cli::units::counted;
 use std::fmt::Write;
 use wavetrace::bench::measure::median;
 use wavetrace::bench::suite::INSTRUMENTATION;
-use wavetrace::bench::verdict::{Compared, Verdict};
 use wavetrace::bench::{Figure, Unit};
 use wavetrace::chart::number;
 
@@ -106,7 +105,7 @@ fn kernels(figures: &[&Figure]) -> String {
         let found: Vec<_> = columns.iter().map(|kernel| find(kernel)).collect();
         let worst = found.iter().flatten().map(|f| f.spread()).fold(0.0, f64::max);
         let cells = found.iter().map(|f| f.map_or(String::new(), |f| figure_of(f.median())));
-        let name = row.trim_start_matches("rays/").replace('/', " ");
+        let name = row.strip_prefix("rays/").unwrap_or(row).replace('/', " ");
         table.0.push([name].into_iter().chain(cells).chain([percent(worst)]).collect());
     }
     table.text()
@@ -114,7 +113,7 @@ fn kernels(figures: &[&Figure]) -> String {
 
 /// What the figures of scenes are of: (scene, what).
 fn scene(figure: &Figure) -> (&str, &str) {
-    figure.name.trim_start_matches("scene/").rsplit_once('/').unwrap_or(("", ""))
+    figure.name.strip_prefix("scene/").and_then(|name| name.rsplit_once('/')).unwrap_or(("", ""))
 }
 
 fn renders(figures: &[&Figure]) -> String {
@@ -148,40 +147,6 @@ fn stages(figures: &[&Figure]) -> String {
     table.text()
 }
 
-/// What is slower, faster or unclear, and how many are the same.
-pub fn comparison(all: &[Compared], drift: (f64, f64), tolerance: f64) -> String {
-    let mut table = Table::new(["what", "speed", "at least", "at most", "verdict"]);
-    for c in all.iter().filter(|c| c.verdict != Verdict::Same) {
-        let cells = [c.ratio, c.interval.0, c.interval.1].map(|x| format!("{x:.3}"));
-        table.0.push([c.name.clone()].into_iter().chain(cells).chain([c.verdict.name().to_owned()]).collect());
-    }
-    let number = |verdict: Verdict| all.iter().filter(|c| c.verdict == verdict).count();
-    let ratios: Vec<f64> = all.iter().map(|c| c.ratio).collect();
-    let mut text = String::new();
-    if table.0.len() > 1 {
-        text += &table.text();
-    }
-    let _ = write!(
-        text,
-        "{}: {} slower, {} faster, {} the same within {} %, {} unclear; median speed {:.3} of that before",
-        counted(all.len() as u64, "figure"),
-        number(Verdict::Slower),
-        number(Verdict::Faster),
-        number(Verdict::Same),
-        short(tolerance),
-        number(Verdict::Unclear),
-        median(&ratios)
-    );
-    if drift != (1.0, 1.0) {
-        let _ = write!(
-            text,
-            "\nthe machine itself has {:.3} to {:.3} of the speed that it had: what this may explain is unclear",
-            drift.0, drift.1
-        );
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -204,6 +169,8 @@ mod tests {
             figure("scene/b/rays", Unit::Mrays, 20.0),
             figure("scene/b/samples", Unit::Msamples, 2.0),
             figure("scene/b/aim", Unit::Nanoseconds, 12.0),
+            figure("scene/scene/rays", Unit::Mrays, 30.0),
+            figure("scene/scene/samples", Unit::Msamples, 3.0),
         ]);
         let expected = "\
 what            median          best  spread  busy CPUs
@@ -217,6 +184,7 @@ triangles, rays  auto  single  spread
 scene  Mrays/s  Msamples/s  spread  busy CPUs
 a         20.0        2.00   20.0%       1.50
 b         20.0        2.00   20.0%       1.50
+scene     30.0        3.00   20.0%       1.50
 time that a clock in each stage adds: +0.50 %, the median of 1 scene
 
 nanoseconds per item of each stage, on one thread of those that work

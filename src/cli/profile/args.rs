@@ -1,7 +1,7 @@
 //! The options of `wavetrace profile`.
 
 use crate::cli::args::RenderArgs;
-use crate::cli::bench::{Knob, setting, settings};
+use crate::cli::bench::{Knob, setting, settings, twice};
 use crate::cli::values::size;
 use clap::{Args, value_parser};
 use std::path::PathBuf;
@@ -34,8 +34,11 @@ impl ProfileArgs {
     /// What the render is told.
     ///
     /// # Errors
-    /// What is wrong, in the words of the command line.
-    pub fn render(&self) -> Result<RenderArgs, String> {
+    /// What was found and what was expected, in the words of the command line.
+    pub fn render(&self) -> Result<RenderArgs, (String, String)> {
+        if let Some(name) = twice(&self.set) {
+            return Err((format!("{name} twice"), "each knob once".to_owned()));
+        }
         let spp = self.spp.to_string();
         let mut all: Vec<(&str, &str)> = self
             .set
@@ -45,6 +48,8 @@ impl ProfileArgs {
         if all.iter().all(|(name, _)| *name != "spp") {
             all.push(("spp", &spp));
         }
-        settings(&self.scene, &all)
+        settings(&self.scene, &all).map_err(|expected| {
+            (all.iter().map(|(name, value)| format!("{name}={value}")).collect::<Vec<_>>().join(", "), expected)
+        })
     }
 }

@@ -45,10 +45,13 @@ pub struct Profile<'a> {
     pub before: [Duration; 2],
 }
 
-/// Renders with clocks, twice, and writes the page.
+/// Renders with clocks, and where there are counters with those, and writes the page.
 pub fn run(args: &ProfileArgs) -> Result<Exit, Exit> {
     let console = Console::new(args.quiet, false);
     let fail = |error: Error| console.fail(&error);
+    // Mistakes in it are told before anything is made.
+    let render: RenderArgs =
+        args.render().map_err(|(found, expected)| fail(Error::Setting { setting: "--set", found, expected }))?;
     let path = args.output.join("index.html");
     fs::create_dir_all(&args.output)
         .map_err(|source| fail(Error::Io { file: args.output.clone(), action: "make", source }))?;
@@ -57,13 +60,12 @@ pub fn run(args: &ProfileArgs) -> Result<Exit, Exit> {
     let start = Instant::now();
     let scene = load(&args.scene, args.size, &console)?;
     let loaded = start.elapsed();
-    let render: RenderArgs = args.render().map_err(|expected| {
-        fail(Error::Setting { setting: "profile", found: args.scene.display().to_string(), expected })
-    })?;
     let renderer = Renderer::with_options(scene.world, &render.build_options()).map_err(fail)?;
     let before = [loaded, start.elapsed() - loaded];
 
-    console.line("measuring what the machine can do, then rendering twice");
+    let missing = Counters::missing();
+    let times = if missing.is_some() { "twice" } else { "three times" };
+    console.line(format_args!("measuring what the machine can do, then rendering {times}"));
     let limits = limits();
     let settings = Settings { timeline: true, time_stages: true, ..render.settings() };
     let plan = renderer.plan(&settings).map_err(fail)?;
@@ -71,7 +73,7 @@ pub fn run(args: &ProfileArgs) -> Result<Exit, Exit> {
     let usual = renderer.render(&settings, &Control::default()).map_err(fail)?;
     let unfilled =
         Settings { tuning: Tuning { refill: false, ..settings.tuning }, timeline: false, ..settings.clone() };
-    let counted = match Counters::missing() {
+    let counted = match missing {
         Some(reason) => Err(reason),
         None => Ok(renderer
             .render(&Settings { timeline: false, counters: true, ..settings.clone() }, &Control::default())

@@ -12,6 +12,7 @@ use crate::cli::messages::Console;
 use crate::cli::progress::Meter;
 use page::Page;
 use process::{Figure, Work};
+use std::cell::RefCell;
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -144,14 +145,24 @@ fn time(jobs: &[Work<'_>], repeats: usize, seen: impl Fn(f64), control: &Control
     // Once without the clock, so that what cannot run is told; and for the images.
     let once: Vec<Figure> =
         jobs.iter().map(|job| process::seconds(&Work { spp: 1, ..*job })).collect::<LibraryResult<_>>()?;
-    let figures = measure(jobs.iter().map(timed).collect(), repeats, |share| {
+    let failed = RefCell::new(None);
+    let figures = measure(jobs.iter().map(|job| timed(job, &failed)).collect(), repeats, |share| {
         seen(share);
-        !control.is_stopped()
+        !control.is_stopped() && failed.borrow().is_none()
     });
+    if let Some(error) = failed.into_inner() {
+        return Err(error);
+    }
     Ok(once.into_iter().zip(&figures).map(|(once, timed)| Figure { value: timed.median(), ..once }).collect())
 }
 
-fn timed<'a>(job: &'a Work<'_>) -> Case<'a> {
-    let run = move || vec![process::seconds(job).map_or(f64::NAN, |figure| figure.value * 1e9)];
-    Case { figures: vec![(String::new(), Unit::Nanoseconds)], run: Box::new(run) }
+fn timed<'a>(job: &'a Work<'_>, failed: &'a RefCell<Option<Error>>) -> Case<'a> {
+    let run = move || match process::seconds(job) {
+        Ok(figure) => vec![figure.value * 1e9],
+        Err(error) => {
+            *failed.borrow_mut() = Some(error);
+            vec![f64::NAN]
+        }
+    };
+    Case::new(vec![(String::new(), Unit::Nanoseconds)], run).elsewhere()
 }

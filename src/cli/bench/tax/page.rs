@@ -76,10 +76,6 @@ impl Page<'_> {
         let mut facts = facts::machine(&Build::this(), &Machine::here());
         facts.push(("page made".to_owned(), facts::local_time()));
         let facts: String = facts.iter().map(|(name, value)| format!("| {name} | {value} |\n")).collect();
-        let verdict = match self.above().as_slice() {
-            [] => format!("Nothing takes more than {} % more.", self.args.bar),
-            lines => format!("Above the bar of {} %: {}.", self.args.bar, lines.join("; ")),
-        };
         let method = match self.by {
             Measure::Instructions => {
                 "Instructions are counted by callgrind, of renders on one thread with two numbers of samples, so that reading \
@@ -89,36 +85,56 @@ impl Page<'_> {
             }
             Measure::Time => format!("Medians of {} renders each, in turns.", self.args.repeats),
         };
+        let builds = match (self.args.without.is_empty(), self.high().as_slice()) {
+            (true, _) => String::new(),
+            (false, high) => {
+                let verdict = match high {
+                    [] => format!("Nothing takes more than {} % more.", self.args.bar),
+                    lines => format!("Above the bar of {} %: {}.", self.args.bar, lines.join("; ")),
+                };
+                format!(
+                    "\n## {} against builds that lack the feature\n\n\
+                     Each column is another build, from whose source the feature's code was taken out; a cell tells how much more \
+                     this program takes in a scene that lacks the feature. {method} {verdict}\n\n{}",
+                    capital(self.what()),
+                    markdown(&self.taxes())
+                )
+            }
+        };
+        let idle: String = self.idle().iter().map(|line| format!("\n{line}.\n")).collect();
         format!(
             "# What a scene pays for what it lacks\n\n\
              Made by `wavetrace bench tax`, see [measuring](measuring.md). `used`: the scene has it.\n\n\
              ## Bytes of each path\n\n\
-             Columns that a path has because of a feature; 0 where the scene lacks it.\n\n{}\n\
-             ## {} against builds that lack the feature\n\n\
-             Each column is another build, from whose source the feature's code was taken out; a cell tells how much more this \
-             program takes in a scene that lacks the feature. {method} {verdict}\n\n{}\n\
+             Columns that a path has because of a feature; 0 where the scene lacks it.\n\n{}{idle}{builds}\n\
              ## This build\n\n| | |\n|---|---|\n{facts}\n```\n{}\n```\n",
             markdown(&self.bytes()),
-            capital(self.what()),
-            markdown(&self.taxes()),
             facts::command()
         )
     }
 
-    /// What takes more than it may, in words.
-    pub fn above(&self) -> Vec<String> {
-        let mut lines = Vec::new();
-        for (scene, taxes) in self.scenes.iter().zip(self.taxes) {
-            if scene.idle_bytes() > 0 {
-                lines.push(format!("{}: paths hold bytes for what it lacks", name(scene)));
-            }
+    /// Scenes whose paths hold what they have no use for, in words.
+    fn idle(&self) -> Vec<String> {
+        let idle = self.scenes.iter().filter(|scene| scene.idle_bytes() > 0);
+        idle.map(|scene| format!("{}: paths hold bytes for what it lacks", name(scene))).collect()
+    }
+
+    /// What is above the bar, in words.
+    fn high(&self) -> Vec<String> {
+        let of = |(scene, taxes): (&Scene, &Vec<Option<f64>>)| {
             let high = |tax: &Option<f64>| tax.is_some_and(|tax| 100.0 * tax > self.args.bar);
-            lines.extend(self.args.without.iter().zip(taxes).filter(|(_, tax)| high(tax)).map(|(build, tax)| {
+            let line = |(build, tax): (&Without, &Option<f64>)| {
                 let percent = 100.0 * tax.unwrap_or_default();
                 format!("{} pays {percent:.2} % for {}", name(scene), lacking(build))
-            }));
-        }
-        lines
+            };
+            self.args.without.iter().zip(taxes).filter(|(_, tax)| high(tax)).map(line).collect::<Vec<_>>()
+        };
+        self.scenes.iter().zip(self.taxes).flat_map(of).collect()
+    }
+
+    /// What takes more than it may, in words.
+    pub fn above(&self) -> Vec<String> {
+        [self.idle(), self.high()].concat()
     }
 }
 
