@@ -237,6 +237,20 @@ fn a_timeline_is_whole() {
     for name in ["generate", "shade", "connect", "scatter", "visit", "light paths", "survey", "merge"] {
         assert!(names.contains(name), "{name} in {names:?}");
     }
+    // As viewers see it, to the last bit: what begins within another ends within it.
+    for tid in 0..3 {
+        let mut own: Vec<_> = spans.iter().filter(|s| s.1 == tid).collect();
+        own.sort_by(|a, b| a.2.total_cmp(&b.2).then(b.3.total_cmp(&a.3)));
+        let mut open: Vec<&&(&str, u64, f64, f64)> = Vec::new();
+        for span in &own {
+            while open.last().is_some_and(|outer| outer.3 <= span.2) {
+                open.pop();
+            }
+            assert!(open.last().is_none_or(|outer| span.3 <= outer.3), "{span:?} in {open:?}");
+            open.push(span);
+        }
+        assert!(own.len() > 3);
+    }
     let stats = place.json("s.json");
     for tid in [1, 2] {
         let own: Vec<_> = spans.iter().filter(|s| s.1 == tid).collect();

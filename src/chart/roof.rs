@@ -7,8 +7,10 @@ use super::style::Style;
 use super::svg::escape;
 use std::fmt::Write;
 
-/// Room for the name of a point.
-const NAME: f64 = 70.0;
+/// Width of a letter of a name, about, half its height, and half the width of a point.
+const LETTER: f64 = 6.2;
+const HALF: f64 = 6.0;
+const POINT: f64 = 4.0;
 
 /// What the machine can do at most.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,19 +73,58 @@ pub fn roof(limits: &Limits, loads: &[Load]) -> String {
     }
     let style = Style::new(0, false);
     let _ = write!(out, r#"<g class="line s{}" color="{}">"#, style.colour, style.on_white());
-    for load in shown() {
-        let (cx, cy) = (x.place(load.intensity), y.place(load.gflops));
+    let places: Vec<(f64, f64)> = shown().map(|load| (x.place(load.intensity), y.place(load.gflops))).collect();
+    let mut taken: Vec<Area> =
+        places.iter().map(|&(cx, cy)| [cx - POINT, cx + POINT, cy - POINT, cy + POINT]).collect();
+    for (load, &(cx, cy)) in shown().zip(&places) {
         let _ = write!(
             out,
             r#"<g class="point"><title>{}</title><path fill="currentColor" d="{}"/><circle cx="{cx:.1}" cy="{cy:.1}" r="9" fill="none" pointer-events="all"/></g>"#,
             escape(&load.tip),
             style.marker.path(cx, cy)
         );
-        // Names end before the frame does.
-        let (at, anchor) = if cx > RIGHT - NAME { (cx - 7.0, "end") } else { (cx + 7.0, "start") };
-        text(&mut out, (at, cy + 4.0), anchor, r#"font-size="11""#, &load.name);
+        let name = label(&load.name, (cx, cy), &taken);
+        text(&mut out, name.at, name.anchor, r#"font-size="11""#, &load.name);
+        taken.push(name.area);
     }
     out + "</g>"
+}
+
+/// From the left to the right, and from the top to the bottom.
+type Area = [f64; 4];
+
+/// Where the name of a point stands.
+struct Label {
+    at: (f64, f64),
+    anchor: &'static str,
+    area: Area,
+}
+
+/// To the right of its point; or to the left, below or above, where that is within the frame and free.
+fn label(name: &str, (cx, cy): (f64, f64), taken: &[Area]) -> Label {
+    let width = LETTER * name.chars().count() as f64;
+    let sides = [
+        (7.0, 0.0, "start", [7.0, 7.0 + width]),
+        (-7.0, 0.0, "end", [-7.0 - width, -7.0]),
+        (0.0, 15.0, "middle", [-width / 2.0, width / 2.0]),
+        (0.0, -13.0, "middle", [-width / 2.0, width / 2.0]),
+    ];
+    let labels = sides.map(|(dx, dy, anchor, [from, to])| Label {
+        at: (cx + dx, cy + dy + 4.0),
+        anchor,
+        area: [cx + from, cx + to, cy + dy - HALF, cy + dy + HALF],
+    });
+    let apart = |a: &Area, b: &Area| a[0] >= b[1] || b[0] >= a[1] || a[2] >= b[3] || b[2] >= a[3];
+    let fits = |label: &Label| label.area[0] >= LEFT && label.area[1] <= RIGHT;
+    let free = |label: &&Label| fits(label) && taken.iter().all(|area| apart(area, &label.area));
+    let best = labels.iter().position(|label| free(&label)).or_else(|| labels.iter().position(fits)).unwrap_or(0);
+    let [right, left, below, above] = labels;
+    match best {
+        0 => right,
+        1 => left,
+        2 => below,
+        _ => above,
+    }
 }
 
 #[cfg(test)]
@@ -107,5 +148,22 @@ mod tests {
         assert_eq!(["shade", "intersect"].map(anchor), [false, true], "{far}");
         let none = roof(&Limits { gflops: 0.0, memories: Vec::new() }, &[]);
         assert!(!none.contains("NaN") && !none.contains("class=\"point\""));
+    }
+
+    #[test]
+    fn names_stand_neither_on_points_nor_on_each_other() {
+        let (cx, cy) = ((LEFT + RIGHT) / 2.0, (TOP + BOTTOM) / 2.0);
+        let beside = |dx: f64, dy: f64| [cx + dx - POINT, cx + dx + POINT, cy + dy - POINT, cy + dy + POINT];
+        let (right, left, below) = (beside(20.0, 1.0), beside(-20.0, -1.0), beside(3.0, 15.0));
+        let side = |taken: &[Area]| {
+            let label = label("shade", (cx, cy), taken);
+            (label.anchor, (label.at.1 - cy).round())
+        };
+        assert_eq!(side(&[]), ("start", 4.0));
+        assert_eq!(side(&[right]), ("end", 4.0));
+        assert_eq!(side(&[right, left]), ("middle", 19.0));
+        assert_eq!(side(&[right, left, below]), ("middle", -9.0));
+        // Nowhere is free: within the frame at least.
+        assert_eq!(label("shade", (RIGHT - 9.0, cy), &[[LEFT, RIGHT, TOP, BOTTOM]]).anchor, "end");
     }
 }
