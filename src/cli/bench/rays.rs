@@ -15,7 +15,7 @@ use wavetrace::error::{Error, Result as LibraryResult};
 use wavetrace::lanes;
 use wavetrace::output;
 
-/// Share of the CPUs that a set can keep busy by which those that were may differ on a quiet machine.
+/// Share of the CPUs that a set can keep busy by which those that were may be fewer on a quiet machine.
 const DISTURBED: f64 = 0.05;
 
 /// What was measured on a set.
@@ -196,7 +196,7 @@ impl Report<'_> {
     /// Figures that other programs have disturbed.
     fn warn(&self, console: &Console) {
         for t in &self.timings {
-            if let Some(busy) = t.figure.busy.filter(|busy| (busy - t.cpus).abs() > DISTURBED * t.cpus) {
+            if let Some(busy) = t.figure.busy.filter(|busy| *busy < (1.0 - DISTURBED) * t.cpus) {
                 console.warn(format_args!(
                     "{}: {busy:.2} CPUs were busy, of {:.2} that {} can keep busy with it: other work disturbs the timing",
                     t.kind.name(),

@@ -9,8 +9,6 @@ use wavetrace::chart::roof::{Limits, Load, roof};
 use wavetrace::chart::spans::{Span, spans};
 use wavetrace::probe::{DEPTHS, Event, Stage, StageRow, What, period};
 
-/// Milliseconds of a render that is drawn whole: those of a period.
-const PERIOD: f64 = 8.0;
 /// Spans that are drawn of a worker at most; where there are more in a period, the drawing ends sooner.
 const MOST: usize = 1500;
 
@@ -95,10 +93,9 @@ impl Profile<'_> {
         let millis = |time: Duration| time.as_secs_f64() * 1e3;
         let since = |at: Instant| millis(at.saturating_duration_since(self.start));
         let total = millis(self.usual.time).max(1e-3);
-        let [from, to] = match whole_period(&self.usual.timeline, self.start + self.usual.time / 2) {
-            Some(number) if total > PERIOD => period(number).map(|at| since(at).min(total)),
-            _ => [0.0, total],
-        };
+        let window = whole_period(&self.usual.timeline, self.start + self.usual.time / 2).map(period);
+        let window = window.filter(|[start, end]| self.usual.time > *end - *start);
+        let [from, to] = window.map_or([0.0, total], |window| window.map(|at| since(at).min(total)));
         let span = |event: &Event| {
             let series = match event.what {
                 What::Stage(stage) => stage as usize,
